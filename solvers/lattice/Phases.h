@@ -61,6 +61,7 @@ struct Window
 {
   std::array<std::int64_t, 3> start{ 0, 0, 0 };
   std::array<std::int64_t, 3> size{ 0, 0, 0 }; ///< size[2] = 0 in 2D
+  [[nodiscard]] bool operator==(const Window&) const = default;
 };
 
 /// The first node of a window as memory counts (in 2D from the bottom row).

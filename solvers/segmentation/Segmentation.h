@@ -39,6 +39,7 @@ struct SegmentOptions
   double grow = 0; ///< moves the outlines outwards by so many pixels besides (inwards if negative)
   /// The part that will be kept: what lies outside it is not warned of. The whole picture is segmented all the same.
   std::optional<Window> judged;
+  [[nodiscard]] bool operator==(const SegmentOptions&) const = default;
 };
 
 /// What segment() did.

@@ -191,7 +191,7 @@ class Info(Convert):
         self.assertEqual((info["steps"], info["times"], info["size"]), (3, [0, 1, 2], [4, 3, 2]))
         self.assertIn("steps: 3, at 0 to 2", self.works("info", "t.pvd").out)
         self.assertEqual(self.works("info", "s_*.vti", "--step", "2", "--json").json()["size"], [4, 3, 4])
-        self.fails(2, "--step '3' is none of the 3 steps", "0 to 2", "info", "t.pvd", "--step", "3")
+        self.fails(2, "step 3 is none of the 3 steps", "0 to 2", "info", "t.pvd", "--step", "3")
 
     def test_bad_files(self):
         for ending in ["mhd", "nrrd", "hdf", "h5", "pvd", "csv", "vtu"]:
@@ -224,7 +224,7 @@ class Series(Convert):
     def test_missing_steps(self):
         self.series()
         self.fails(2, "a series of 3 steps", "--step", "convert", "s.pvd", "-o", "x.hdf")
-        self.fails(2, "--step '3' is none of the 3 steps", "0 to 2", "convert", "s.pvd", "--step", "3", "-o", "x.hdf")
+        self.fails(2, "step 3 is none of the 3 steps", "0 to 2", "convert", "s.pvd", "--step", "3", "-o", "x.hdf")
         os.remove(self.path("s_1.vti"))
         self.fails(3, "names 's_1.vti', which is not there (1 of 3 steps)", "--lossy", "convert", "s.pvd", "-o", "x.pvd")
         self.fails(3, "1 of the steps 0 to 2 is missing", "--lossy", "convert", "s_*.vti", "-o", "x.pvd")
@@ -287,7 +287,7 @@ class BadFiles(Convert):
         sized = ["convert", "v.raw", "--raw-size", "2,3,4"]
         self.fails(3, "type of the values in 'v.raw' is not known", "raw type", *sized, "-o", "x.vti")
         self.fails(3, "has 23 bytes, but 2 × 3 × 4 voxels of u16 take 48", "truncated", *sized, "--raw-type", "u16", "-o", "x.vti")
-        self.fails(2, "--raw-type 'u12'", "did you mean", *sized, "--raw-type", "u12", "-o", "x.vti")
+        self.fails(2, "raw type 'u12'", "did you mean", *sized, "--raw-type", "u12", "-o", "x.vti")
         self.write("big_2x3x1_i16.raw", struct.pack(">6h", 1, -2, 3, 400, 5, 6))
         self.works("convert", "big_2x3x1_i16.raw", "--raw-order", "big", "-o", "x.vti", "--pixel-size", "1um")
         names, rows, notes = self.table("x.vti")

@@ -142,9 +142,9 @@ class Volumes(Case):
     def test_bad_input(self):
         solid = ["--conductivity", "void=0,solid=1"]
         self.fails(2, "a threshold of 300 for greys from 0 to 255", "leave it out", *self.solve, "--threshold", "300", *solid)
-        self.fails(2, "--threshold and --phase contradict", "..89=void", *self.solve, "--threshold", "90", *NAMED, *HALF)
-        self.fails(2, "--lumen and --phase contradict", "..89=void", *self.solve, "--lumen", "dark", *NAMED, *HALF)
-        self.fails(2, "--lumen and --threshold are for --segment", "--phase ..89=void", "diffusion", "t_40x40x40_u8.raw",
+        self.fails(2, "threshold and phases contradict", "..89 is void", *self.solve, "--threshold", "90", *NAMED, *HALF)
+        self.fails(2, "lumen and phases contradict", "..89 is void", *self.solve, "--lumen", "dark", *NAMED, *HALF)
+        self.fails(2, "threshold counts only with segment", "choose segment", "diffusion", "t_40x40x40_u8.raw",
                    "--threshold", "90", *NAMED, *HALF)
         self.fails(3, "which phases are in 't_40x40x40_u8.raw'?", "--segment to find void and solid", "diffusion",
                    "t_40x40x40_u8.raw", *solid)

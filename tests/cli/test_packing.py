@@ -170,7 +170,7 @@ class Packing(Case):
         fails(TABLE, "lies outside the box", "larger box", "--box", "2,2")
         fails(TABLE, "--unit 'inch' is not a length", "metres", "--unit", "inch", code=2)
         self.fails(3, "lies outside the box", "larger box", "bridges", "t.csv", "--box", "2,2")
-        fails(TABLE, "--box '3' has not 2 or 3 edges", "20mm,40mm", "--box", "3", code=2)
+        fails(TABLE, "box '3' is not 2 or 3 numbers", "--box X,Y[,Z]", "--box", "3", code=2)
 
 
 class Bridges(Case):

@@ -139,7 +139,7 @@ class Words(Case):
         self.fails(2, "threads -1 is below 0", "0 or more", *known, "--threads=-1")
         self.fails(2, "target error 0 is not above 0", "above 0", *known, "--target-error", "0")
         self.fails(2, "--pixel-size '1 mile'", "0.5um", *known, "--pixel-size", "1 mile")
-        self.fails(2, "--pixel-size '-1'", "0.5e-6", *known, "--pixel-size=-1")
+        self.fails(2, "pixel size -1 is not above 0", "above 0", *known, "--pixel-size=-1")
         self.fails(2, "--phase 'wall' is not GREY=NAME", "GREY=NAME", *known, "--phase", "wall")
         self.fails(2, "'-3' is not a grey value", "0 to 255", *known, "--phase=-3=wall")
         self.fails(2, "grey value 0 has two names", "one phase", *known, "--phase", "0=wall")
@@ -148,8 +148,8 @@ class Words(Case):
         self.write("p.png", pictures.png(pictures.stripes(8, 8)))
         known = ["diffusion", "p.png", *PHASES, *CONDUCTIVITIES]
         self.fails(2, "contradict", "leave the target out", *known, "--target-error", "1%", "--no-error-estimate")
-        self.fails(2, "--segment and --phase contradict", "leave --phase", *known, "--segment")
-        self.fails(2, "--lumen and --threshold are for --segment", "add --segment", *known, "--lumen", "dark")
+        self.fails(2, "segmentation and phases contradict", "name no phases", *known, "--segment")
+        self.fails(2, "lumen counts only with segment", "choose segment", *known, "--lumen", "dark")
         self.fails(2, "lattice d3q7 does not fit", "d2q5", *known, "--lattice", "d3q7")
         self.fails(2, "direction z of a two-dimensional image", "x or y", *known, "--direction", "z")
 

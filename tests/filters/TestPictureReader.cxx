@@ -180,8 +180,11 @@ TEST_F(PictureReader, AVolumeIsSegmentedAndSaysHow)
   EXPECT_EQ(volume->GetOutput()->GetDimensions()[0], 8);
   EXPECT_EQ(phases(volume)[3], 0);
   EXPECT_EQ(phases(volume)[4], 1);
+  volume->SetRim(2);
+  EXPECT_NE(errorOf(volume).find("is for pictures"), std::string::npos);
+  volume->SetRim(-1);
   volume->SetThreshold(100);
-  EXPECT_NE(errorOf(volume).find("contradicts"), std::string::npos);
+  EXPECT_NE(errorOf(volume).find("contradict"), std::string::npos);
 }
 
 TEST_F(PictureReader, CellsBecomeNodesAtTheirCentres)

@@ -54,7 +54,7 @@ class Greys(Volume):
         ):
             with self.assertRaisesRegex(lamella.LamellaError, words):
                 lamella.read_picture(path, phases)
-        with self.assertRaisesRegex(lamella.LamellaError, "contradicts"):
+        with self.assertRaisesRegex(lamella.LamellaError, "threshold and phases contradict"):
             lamella.read_picture(path, VOID_FIBRE, segment=True, threshold=90)
 
     def test_a_volume_is_segmented(self):

@@ -34,7 +34,7 @@ struct BridgesCommandOptions
 {
   CommonOptions common;
   std::string file;
-  TableOptions table;
+  SettingOptions table; ///< of vtkPackingReader
   SettingOptions settings;
   std::string output;
 };

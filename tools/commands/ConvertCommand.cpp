@@ -2,12 +2,15 @@
 #include "files/Input.h"
 #include "files/JsonReport.h"
 #include "program/Commands.h"
+#include "program/SettingOptions.h"
 #include "session/Text.h"
 
 #include "core/Error.h"
+#include "vtkFileConverter.h"
 
 #include <fmt/format.h>
 #include <hdf5.h>
+#include <vtkNew.h>
 
 #include <array>
 #include <memory>
@@ -21,7 +24,9 @@ namespace
 struct ConvertOptions
 {
   CommonOptions common;
-  ConversionWords words;
+  std::string file;
+  std::string output;
+  SettingOptions settings; ///< of vtkFileConverter
   bool formats = false;
 };
 
@@ -66,15 +71,19 @@ void runConvert(Session& session, const ConvertOptions& o, const std::string& co
     session.print(formatsText());
     return;
   }
-  const std::string& file = o.words.raw.picture.file;
-  if (file.empty() || o.words.output.empty())
+  if (o.file.empty() || o.output.empty())
   {
-    throw ParameterError(file.empty() ? "FILE is missing" : "-o is missing",
-      file.empty() ? "see lamella convert --help" : "add -o FILE; see lamella convert --help");
+    throw ParameterError(o.file.empty() ? "FILE is missing" : "-o is missing",
+      o.file.empty() ? "see lamella convert --help" : "add -o FILE; see lamella convert --help");
   }
-  ConversionWords words = o.words;
-  words.overwrite = o.common.overwrite;
-  const Converted done = convert(session, words, commandLine);
+  vtkNew<vtkFileConverter> converter;
+  o.settings.give(converter);
+  converter->SetFileName(o.file);
+  converter->SetOutputFileName(o.output);
+  converter->SetOverwrite(o.common.overwrite);
+  if (o.settings.given("range") && !converter->GetWords().range)
+    throw ParameterError("range 0 to 0 is empty", "give the lower end first");
+  const Converted done = convert(session, converter->GetWords(), commandLine);
   printReport(session, o.common, done.report, done.run, reportText);
 }
 
@@ -85,22 +94,11 @@ Command convertCommand(CLI::App& root)
   CLI::App* app = root.add_subcommand(
     "convert", "From any format to any other: pictures, stacks, raw volumes, VTK, VTKHDF, tables, series");
   auto o = std::make_shared<ConvertOptions>();
-  app->add_option("FILE", o->words.raw.picture.file,
+  app->add_option("FILE", o->file,
     "What to convert: a file, a folder or pattern of slices, a .pvd, or a pattern of steps such as step_*.vti");
-  addOption(*app, "Values", "--array", o->words.arrays, "Convert this array only; may be given several times", "NAME")
-    ->allow_extra_args(false);
-  addOption(*app, "Values", "--step", o->words.step, "Of a series: convert this step, counted from 0", "NUMBER");
-  addOption(*app, "Values", "--type", o->words.type,
-    "Write numbers as u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64", "TYPE");
-  addOption(
-    *app, "Values", "--range", o->words.range, "Map these values to the greys of u8, or of --type u16", "LOW,HIGH");
-  app
-    ->add_flag("--lossy", o->words.lossy,
-      "Go on where something is lost: nearest values of --type, cells in a table, gaps in a series, transparency")
-    ->group("Values");
-  addRawOptions(*app, o->words.raw.picture);
-  addRawTypeOptions(*app, o->words.raw);
-  addOutputOptions(*app, o->words.output, o->common,
+  o->settings.declareSome(*app, "vtkFileConverter", { "array", "step", "type", "range", "lossy" }, "Values");
+  o->settings.declareSome(*app, "vtkFileConverter", rawWords(), "Sample");
+  addOutputOptions(*app, o->output, o->common,
     "File to write; its ending tells the format. A pattern such as slice_%04d.png for slices or steps");
   app->add_flag("--formats", o->formats, "List the formats and what they hold, and exit")->group("Report");
   addReportOptions(*app, o->common);

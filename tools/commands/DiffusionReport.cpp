@@ -2,6 +2,7 @@
 
 #include "files/JsonReport.h"
 #include "files/Record.h"
+#include "micrograph/MicrographReport.h"
 #include "session/Text.h"
 
 #include "core/Memory.h"
@@ -71,33 +72,29 @@ std::uint64_t peakMemoryBytes()
   return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024; // Linux counts kilobytes
 }
 
-std::string toJson(const DiffusionReport& report)
+namespace
 {
-  const Lattice& lattice = report.sample->image.lattice;
-  const int dimension = lattice.dimension;
-  const int refinement = report.found.answers.front().refinement;
-  Json json;
-  Json effective;
-  Json extrapolated;
+
+void addValues(Json& json, const DiffusionReport& report)
+{
   for (const auto& answer : report.found.answers)
   {
-    const char* axis = axisNames[answer.axis];
-    effective[axis] = jsonNumber(own(answer));
-    extrapolated[axis] = jsonNumber(answer.error.extrapolated);
+    const char* const axis = axisNames[answer.axis];
+    json["effective"][axis] = jsonNumber(own(answer));
+    json["extrapolated"][axis] = jsonNumber(answer.error.extrapolated);
   }
-  json["effective"] = std::move(effective);
-  json["extrapolated"] = std::move(extrapolated);
   for (const auto& [key, kind] : { std::pair{ "estimated_error", &ErrorEstimate::relative },
          std::pair{ "lattice_error", &ErrorEstimate::lattice }, std::pair{ "picture_error", &ErrorEstimate::picture } })
   {
     json[key] = jsonNumber(report.found.error(kind));
-    Json& byDirection = json[std::string(key) + "s"];
     for (const auto& answer : report.found.answers)
-      byDirection[axisNames[answer.axis]] = jsonNumber(answer.error.*kind);
+      json[std::string(key) + "s"][axisNames[answer.axis]] = jsonNumber(answer.error.*kind);
   }
-  json["target_error"] = report.found.targetError > 0 ? Json(report.found.targetError) : Json(nullptr);
-  json["target"] = report.found.targetError > 0 ? Json(lbm::name(report.found.answers.front().target)) : Json(nullptr);
+  const bool aimed = report.found.targetError > 0;
+  json["target_error"] = aimed ? Json(report.found.targetError) : Json(nullptr);
+  json["target"] = aimed ? Json(lbm::name(report.found.answers.front().target)) : Json(nullptr);
   const auto tensor = report.found.tensor();
+  const int dimension = report.sample->image.lattice.dimension;
   json["tensor"] = Json::array();
   for (int row = 0; row < dimension; ++row)
   {
@@ -112,7 +109,11 @@ std::string toJson(const DiffusionReport& report)
   }
   json["bounds"] = { { "series", report.found.bounds.series }, { "parallel", report.found.bounds.parallel },
     { "hashin_shtrikman", { report.found.bounds.hashinShtrikmanLower, report.found.bounds.hashinShtrikmanUpper } } };
+}
 
+/// What solving took, of all directions and of each.
+void addCost(Json& json, const DiffusionReport& report)
+{
   int iterations = 0;
   double setup = 0;
   double solve = 0;
@@ -121,25 +122,14 @@ std::string toJson(const DiffusionReport& report)
   std::uint64_t solverBytes = 0;
   for (const auto& answer : report.found.answers)
   {
-    iterations += answer.result.iterations;
-    setup += answer.result.setupSeconds;
-    solve += answer.result.solveSeconds;
-    balance = std::max(balance, answer.result.balance);
-    solverError = std::max(solverError, answer.result.solverError);
-    solverBytes = std::max(solverBytes, answer.result.bytes);
-  }
-  json["iterations"] = iterations;
-  json["seconds"] = report.seconds;
-  json["setup_seconds"] = setup;
-  json["solve_seconds"] = solve;
-  json["peak_memory_bytes"] = report.peakMemory;
-  json["method"] = lbm::name(report.found.answers.front().result.method);
-
-  Json directions;
-  for (const auto& answer : report.found.answers)
-  {
     const auto& result = answer.result;
-    directions[axisNames[answer.axis]] = { { "iterations", result.iterations },
+    iterations += result.iterations;
+    setup += result.setupSeconds;
+    solve += result.solveSeconds;
+    balance = std::max(balance, result.balance);
+    solverError = std::max(solverError, result.solverError);
+    solverBytes = std::max(solverBytes, result.bytes);
+    json["directions"][axisNames[answer.axis]] = { { "iterations", result.iterations },
       { "balance", jsonNumber(result.balance) }, { "solver_error", jsonNumber(result.solverError) },
       { "inlet", jsonNumber(result.inletFlux) }, { "outlet", jsonNumber(result.outletFlux) },
       { "residual", jsonNumber(result.residual) }, { "setup_seconds", result.setupSeconds },
@@ -147,9 +137,22 @@ std::string toJson(const DiffusionReport& report)
       { "stored", result.stored }, { "skipped", result.skipped }, { "refine", answer.refinement },
       { "steps", stepsJson(answer) } };
   }
+  const auto& first = report.found.answers.front().result;
+  json.update({ { "iterations", iterations }, { "seconds", report.seconds }, { "setup_seconds", setup },
+    { "solve_seconds", solve }, { "peak_memory_bytes", report.peakMemory }, { "method", lbm::name(first.method) },
+    { "balance", jsonNumber(balance) }, { "solver_error", jsonNumber(solverError) }, { "nodes", first.nodes },
+    { "stored", first.stored }, { "skipped", first.skipped }, { "solver_bytes", solverBytes } });
+}
 
-  json["directions"] = std::move(directions);
+} // namespace
 
+std::string toJson(const DiffusionReport& report)
+{
+  const Lattice& lattice = report.sample->image.lattice;
+  const int dimension = lattice.dimension;
+  Json json;
+  addValues(json, report);
+  addCost(json, report);
   json["phases"] = Json::array();
   for (std::size_t id = 0; id < report.sample->image.phases.size(); ++id)
   {
@@ -163,52 +166,57 @@ std::string toJson(const DiffusionReport& report)
   }
   json["file"] = report.file;
   json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + dimension);
-  if (report.sample->window)
+  json["window"] = nullptr;
+  if (const auto& w = report.sample->window)
   {
-    const Window& w = *report.sample->window;
-    json["window"] = dimension == 3 ? Json{ w.start[0], w.start[1], w.start[2], w.size[0], w.size[1], w.size[2] }
-                                    : Json{ w.start[0], w.start[1], w.size[0], w.size[1] };
-  }
-  else
-  {
-    json["window"] = nullptr;
+    json["window"] = dimension == 3 ? Json{ w->start[0], w->start[1], w->start[2], w->size[0], w->size[1], w->size[2] }
+                                    : Json{ w->start[0], w->start[1], w->size[0], w->size[1] };
   }
   const bool known = report.sample->pixelSizeSource != "none";
   json["pixel_size"] = known ? Json(lattice.spacing) : Json(nullptr);
   json["pixel_size_source"] = report.sample->pixelSizeSource;
   json["warnings"] = report.sample->warnings;
   if (report.sample->segmentation)
-  {
-    const micrograph::SegmentReport& found = *report.sample->segmentation;
-    json["segmentation"] = { { "channel", found.channel }, { "bright_lumen", found.brightLumen },
-      { "background", found.background }, { "smoothing", found.smoothing }, { "threshold", found.threshold },
-      { "separability", found.separability }, { "smallest_lumen", found.smallestLumen },
-      { "smallest_wall", found.smallestWall }, { "lumens_removed", found.lumensRemoved },
-      { "walls_removed", found.wallsRemoved }, { "opening", found.opening }, { "rim", found.rim },
-      { "half_height", found.halfHeight }, { "ray_gaps", found.rays }, { "graphics", found.graphicsShare },
-      { "vessels", found.vessels }, { "lumens", found.lumens }, { "lumen_fraction", found.lumenFraction },
-      { "cells", found.cells }, { "doubts", found.doubtNames() } };
-  }
+    json["segmentation"] = segmentationJson(*report.sample->segmentation);
   if (report.sample->volumeSegmentation)
     json["segmentation"] = jsonOf(*report.sample->volumeSegmentation);
-  json["refine"] = refinement;
+  json["refine"] = report.found.answers.front().refinement;
   json["lattice"] = lbm::name(report.found.stencil);
   json["sides"] = report.found.sides;
   json["length"] =
     "one spacing a node; faces half a spacing outside the outer nodes; an empty box of conductivity 1 has 1";
   json["tolerance"] = report.found.tolerance;
-  json["balance"] = jsonNumber(balance);
-  json["solver_error"] = jsonNumber(solverError);
-  json["nodes"] = report.found.answers.front().result.nodes;
-  json["stored"] = report.found.answers.front().result.stored;
-  json["skipped"] = report.found.answers.front().result.skipped;
-  json["solver_bytes"] = solverBytes;
   json["threads"] = report.threads;
   json["ranks"] = report.ranks;
   json["files"] = report.written;
   addRecord(json, report.provenance);
   return dump(json);
 }
+
+namespace
+{
+
+/// What it took to come to the target.
+std::string stepsText(const DiffusionReport& report)
+{
+  std::string text = fmt::format("\n  what an error below {} took\n", percent(report.found.targetError));
+  double total = 0;
+  for (const auto& answer : report.found.answers)
+  {
+    for (const auto& step : answer.steps)
+    {
+      text += fmt::format("    {}  refine {:<3} {:<10.7g}  {:>13} nodes  {:.2f} s{}\n", axisNames[answer.axis],
+        step.refinement, step.value, grouped(step.nodes), step.seconds,
+        step.every > 1
+          ? fmt::format("  every {} pixel, {} pictures", ordinals[static_cast<std::size_t>(step.every)], step.pictures)
+          : "");
+      total += step.seconds;
+    }
+  }
+  return text + fmt::format("    {:.2f} s in all\n", total);
+}
+
+} // namespace
 
 std::string toTable(const DiffusionReport& report)
 {
@@ -269,24 +277,7 @@ std::string toTable(const DiffusionReport& report)
       report.found.bounds.hashinShtrikmanUpper);
 
   if (report.found.targetError > 0)
-  {
-    text += fmt::format("\n  what an error below {} took\n", percent(report.found.targetError));
-    double total = 0;
-    for (const auto& answer : report.found.answers)
-    {
-      for (const auto& step : answer.steps)
-      {
-        text += fmt::format("    {}  refine {:<3} {:<10.7g}  {:>13} nodes  {:.2f} s{}\n", axisNames[answer.axis],
-          step.refinement, step.value, grouped(step.nodes), step.seconds,
-          step.every > 1 ? fmt::format("  every {} pixel, {} pictures", ordinals[static_cast<std::size_t>(step.every)],
-                             step.pictures)
-                         : "");
-        total += step.seconds;
-      }
-    }
-    text += fmt::format("    {:.2f} s in all\n", total);
-  }
-
+    text += stepsText(report);
   const double picture = report.found.error(&ErrorEstimate::picture);
   if (picture > 0.005 && picture >= report.found.error(&ErrorEstimate::lattice) && report.found.outlinesServe())
   {

@@ -6,6 +6,7 @@
 #include "files/JsonReport.h"
 #include "files/Record.h"
 #include "program/Commands.h"
+#include "program/SettingOptions.h"
 #include "session/Text.h"
 
 #include "GridReaders.h"
@@ -13,6 +14,7 @@
 #include "io/Checkpoint.h"
 #include "io/Provenance.h"
 #include "pictures/Slices.h"
+#include "vtkFileConverter.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkAbstractArray.h>
@@ -21,6 +23,7 @@
 #include <vtkDataSet.h>
 #include <vtkFieldData.h>
 #include <vtkImageData.h>
+#include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkStringArray.h>
 
@@ -40,8 +43,8 @@ namespace
 struct InfoOptions
 {
   CommonOptions common;
-  RawOptions raw;
-  std::string step;
+  SettingOptions settings; ///< of vtkFileConverter
+  ConversionWords words;   ///< what they say
 };
 
 Json recordJson(const std::string& text)
@@ -168,12 +171,8 @@ Json gridJson(const std::string& path, vtkDataObject* data)
 /// What is in a file that is read as `lamella convert` reads it.
 Json convertedJson(Session& session, const InfoOptions& o)
 {
-  ConversionWords words;
-  words.raw = o.raw;
-  words.step = o.step.empty() ? "0" : o.step;
-  words.lossy = true;
-  const Loaded loaded = load(session, words);
-  Json json = gridJson(o.raw.picture.file, loaded.data);
+  const Loaded loaded = load(session, o.words);
+  Json json = gridJson(o.words.raw.file, loaded.data);
   if (loaded.steps > 1)
   {
     json["steps"] = loaded.steps;
@@ -204,7 +203,7 @@ Json checkpointJson(const std::string& path)
 /// Does the file hold grey values or colours of 8 or 16 bits, which are counted?
 bool isPicture(const RawOptions& raw)
 {
-  const std::string ending = endingOf(raw.picture.file.c_str());
+  const std::string ending = endingOf(raw.file.c_str());
   const auto anyOf = [&](std::initializer_list<const char*> list)
   { return std::find(list.begin(), list.end(), ending) != list.end(); };
   if (!anyOf({ ".tif", ".tiff", ".raw", ".npy" }))
@@ -215,7 +214,7 @@ bool isPicture(const RawOptions& raw)
   try
   {
     Reading reading{ raw, {}, true };
-    Step step = findSource(raw.picture.file, reading).open(0, reading);
+    Step step = findSource(raw.file, reading).open(0, reading);
     const int type = onlyArray(step.volume->sample())->GetDataType();
     return type == VTK_UNSIGNED_CHAR || type == VTK_UNSIGNED_SHORT;
   }
@@ -226,11 +225,11 @@ bool isPicture(const RawOptions& raw)
 }
 
 /// What is in a picture or volume.
-Json pictureJson(const PictureOptions& options)
+Json pictureJson(const RawOptions& options)
 {
-  micrograph::ReadOptions read = readOptions(options);
+  micrograph::ReadOptions read = options.read;
   read.keepColour = true;
-  const PictureFile file = readPictureFile(options, read);
+  const PictureFile file = readPictureFile(options.file, read);
   const micrograph::Picture& picture = file.picture;
   const std::optional<micrograph::PictureRecord>& record = file.record;
   const int dimension = picture.lattice.dimension;
@@ -267,10 +266,10 @@ Json pictureJson(const PictureOptions& options)
 /// What is in any file.
 Json anyJson(Session& session, const InfoOptions& o)
 {
-  const std::string& file = o.raw.picture.file;
+  const std::string& file = o.words.raw.file;
   const std::string ending = endingOf(file.c_str());
-  if (isPicture(o.raw))
-    return pictureJson(o.raw.picture);
+  if (isPicture(o.words.raw))
+    return pictureJson(o.words.raw);
   if (ending == ".h5" || ending == ".hdf5")
   {
     requireFile(file);
@@ -467,14 +466,12 @@ Command infoCommand(CLI::App& root)
     "info", "What is in a file: arrays, units, ranges, phases, grey values, pixel size, provenance");
   auto o = std::make_shared<InfoOptions>();
   app
-    ->add_option("FILE", o->raw.picture.file,
+    ->add_option("FILE", o->words.raw.file,
       "Any file that lamella convert reads: a picture, a folder or pattern of slices, a volume, .vti, .hdf, .csv, .pvd "
       "...")
     ->required();
-  addRawOptions(*app, o->raw.picture);
-  addRawTypeOptions(*app, o->raw);
-  addOption(*app, "Sample", "--step", o->step, "Of a series: look at this step, counted from 0", "NUMBER")
-    ->default_str("0");
+  o->settings.declareSome(*app, "vtkFileConverter", rawWords(), "Sample");
+  o->settings.declareSome(*app, "vtkFileConverter", { "step" }, "Sample");
   app->add_flag("--json", o->common.json, "Print one JSON object to standard output, and nothing else")
     ->group("Report");
   addExamples(*app, { "lamella info tissue.png", "lamella info heat_y.vti --json" });
@@ -484,6 +481,12 @@ Command infoCommand(CLI::App& root)
       session.onRoot(
         [&]
         {
+          vtkNew<vtkFileConverter> converter;
+          o->settings.give(converter);
+          converter->SetFileName(o->words.raw.file);
+          o->words = converter->GetWords();
+          o->words.step = o->words.step.value_or(0);
+          o->words.lossy = true;
           const Json json = anyJson(session, *o);
           if (!o->common.json && json.contains("warnings"))
             for (const Json& warning : json["warnings"])

@@ -45,7 +45,7 @@ struct PackingCommandOptions
 {
   CommonOptions common;
   SettingOptions settings;
-  TableOptions table;
+  SettingOptions table; ///< of vtkPackingReader
   std::string seeds;
   std::string read;
   std::string output;
@@ -229,7 +229,7 @@ void refuseContradictions(const PackingCommandOptions& options)
     }
     return;
   }
-  if (const std::string given = firstGiven(options.table.declared); !given.empty())
+  if (const std::string given = options.table.firstGiven({ "unit", "box" }); !given.empty())
     throw ParameterError(given + " is about a table, and none is read", "add --read FILE.csv, or leave it out");
   if (!options.seeds.empty() && settings.given("seed"))
     throw ParameterError("--seed and --seeds contradict each other", "give one of them");

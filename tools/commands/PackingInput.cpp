@@ -20,12 +20,9 @@
 namespace lamella::cli
 {
 
-void addTableOptions(CLI::App& command, TableOptions& options)
+void addTableOptions(CLI::App& command, SettingOptions& table)
 {
-  options.declared = { addOption(command, "Table", "--unit", options.unit, "Unit of length in a table, as 1mm; metres",
-                         "LENGTH"),
-    addOption(command, "Table", "--box", options.box,
-      "Edges of a table's box, as 20mm,40mm; when not given, that of the grains", "X,Y[,Z]") };
+  table.declareSome(command, "vtkPackingReader", { "unit", "box" }, "Table");
 }
 
 bool isParticleFile(const std::string& path)
@@ -33,16 +30,9 @@ bool isParticleFile(const std::string& path)
   return endingOf(path) == ".vtp";
 }
 
-std::string firstGiven(const std::vector<CLI::Option*>& options)
+Grains readPacking(Session& session, const std::string& path, const SettingOptions& table)
 {
-  const auto found =
-    std::find_if(options.begin(), options.end(), [](const CLI::Option* option) { return option->count() > 0; });
-  return found == options.end() ? "" : (*found)->get_name();
-}
-
-Grains readPacking(Session& session, const std::string& path, const TableOptions& options)
-{
-  if (const std::string given = firstGiven(options.declared); isParticleFile(path) && !given.empty())
+  if (const std::string given = table.firstGiven({ "unit", "box" }); isParticleFile(path) && !given.empty())
     throw ParameterError(given + " is for tables, and '" + path + "' knows its lengths", "leave it out");
   if (isParticleFile(path))
   {
@@ -62,16 +52,7 @@ Grains readPacking(Session& session, const std::string& path, const TableOptions
   }
   vtkNew<vtkPackingReader> reader;
   reader->SetFileName(path.c_str());
-  if (!options.unit.empty())
-    reader->SetLengthUnit(lengthInMetres("--unit", options.unit));
-  if (!options.box.empty())
-  {
-    const std::vector<std::string> parts = split(options.box, ',');
-    if (parts.size() < 2 || parts.size() > 3)
-      throw ParameterError("--box '" + options.box + "' has not 2 or 3 edges", "write it as --box 20mm,40mm");
-    const auto edge = [&](std::size_t i) { return lengthInMetres("--box", parts[i]); };
-    reader->SetBoxSize(edge(0), edge(1), parts.size() == 3 ? edge(2) : 0);
-  }
+  table.give(reader);
   runFilter(session, reader, "grains");
   return { reader->GetOutput(), reader->GetContacts() };
 }

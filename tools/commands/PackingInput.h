@@ -1,5 +1,6 @@
 #pragma once
 
+#include "program/SettingOptions.h"
 #include "session/Session.h"
 
 #include <CLI/App.hpp>
@@ -7,7 +8,6 @@
 
 #include <array>
 #include <string>
-#include <vector>
 
 class vtkPolyData;
 
@@ -15,16 +15,8 @@ class vtkPolyData;
 namespace lamella::cli
 {
 
-/// What a table of grains does not tell.
-struct TableOptions
-{
-  std::string unit;                   ///< --unit LENGTH
-  std::string box;                    ///< --box X,Y[,Z]
-  std::vector<CLI::Option*> declared; ///< both
-};
-
-/// --unit, --box
-void addTableOptions(CLI::App& command, TableOptions& options);
+/// Declares --unit and --box, settings of vtkPackingReader.
+void addTableOptions(CLI::App& command, SettingOptions& table);
 
 /// Grains, and their contacts where these are known.
 struct Grains
@@ -35,13 +27,10 @@ struct Grains
 
 /// The particles of a .vtp, or of a scene's earlier step, or a table by vtkPackingReader.
 /// @throws InputError, ParameterError
-[[nodiscard]] Grains readPacking(Session& session, const std::string& path, const TableOptions& options);
+[[nodiscard]] Grains readPacking(Session& session, const std::string& path, const SettingOptions& table);
 
 /// Whether a name ends in .vtp.
 [[nodiscard]] bool isParticleFile(const std::string& path);
-
-/// The first of these that was given on the command line, by its name; empty: none.
-[[nodiscard]] std::string firstGiven(const std::vector<CLI::Option*>& options);
 
 /// "17.2 mm × 34.4 mm" @param size edges [m]; the third of disks is 0
 [[nodiscard]] std::string boxText(const std::array<double, 3>& size);

@@ -76,12 +76,11 @@ void configureFormer(Session& session, vtkSnapshot* snapshot, const SnapshotOpti
 }
 
 /// A part of an image, as --window says. @throws ParameterError
-vtkSmartPointer<vtkDataObject> cut(vtkDataObject* data, const std::string& window)
+vtkSmartPointer<vtkDataObject> cut(vtkDataObject* data, const Window& part)
 {
   auto* image = vtkImageData::SafeDownCast(data);
   if (image == nullptr)
     throw ParameterError("--window is for images", "leave it out");
-  const Window part = *parseWindow(window);
   const Lattice lattice = latticeOf(image);
   requireWindowFits(lattice, part);
   const auto start = firstNode(lattice, part);
@@ -105,11 +104,12 @@ vtkSmartPointer<vtkDataObject> cut(vtkDataObject* data, const std::string& windo
 vtkSmartPointer<vtkDataObject> load(Session& session, const SnapshotOptions& options)
 {
   const std::string ending = std::filesystem::path(options.picture.file).extension().string();
-  const bool mapped = !options.picture.phase.empty() || !options.picture.other.empty() || options.picture.segment;
+  const bool mapped = !options.picture.settings.firstGiven({ "phase", "other", "segment" }).empty();
   if (ending == ".vtp" || (ending == ".vti" && !mapped))
   {
     const auto data = readGrid(options.picture.file);
-    return options.picture.window.empty() ? data : cut(data, options.picture.window);
+    const auto window = readerOptions(options.picture).window;
+    return window ? cut(data, *window) : data;
   }
   Sample sample = loadSample(options.picture);
   tellDoubts(session, sample);

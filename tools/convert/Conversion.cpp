@@ -5,7 +5,6 @@
 #include "convert/Types.h"
 #include "files/Collection.h"
 #include "files/GridFile.h"
-#include "files/Input.h"
 #include "files/Record.h"
 #include "session/Text.h"
 
@@ -139,11 +138,11 @@ std::unique_ptr<Volume> onePixelArray(std::unique_ptr<Volume> volume, const Plan
   const bool inCells = names.empty();
   names.insert(names.end(), cells.begin(), cells.end());
   if (names.empty())
-    throw InputError(fmt::format("'{}' holds no array", plan.words.raw.picture.file), "nothing can be converted");
+    throw InputError(fmt::format("'{}' holds no array", plan.words.raw.file), "nothing can be converted");
   if (names.size() > 1)
   {
-    throw InputError(fmt::format("'{}' holds {} arrays ({}), and {} takes one", plan.words.raw.picture.file,
-                       names.size(), quotedList(names, "and"), plan.ending),
+    throw InputError(fmt::format("'{}' holds {} arrays ({}), and {} takes one", plan.words.raw.file, names.size(),
+                       quotedList(names, "and"), plan.ending),
       "choose one with --array NAME, or write .vti or .hdf");
   }
   return inCells ? cellsAsPoints(std::move(volume)) : std::move(volume);
@@ -244,8 +243,8 @@ void preparePoints(Step& step, Plan& plan)
   step.points = points;
   if (plan.ending == ".csv" && !onlyPoints(points) && !plan.words.lossy)
   {
-    throw InputError(fmt::format("'{}' has {} cells, of which a table keeps nothing", plan.words.raw.picture.file,
-                       points->GetNumberOfCells()),
+    throw InputError(
+      fmt::format("'{}' has {} cells, of which a table keeps nothing", plan.words.raw.file, points->GetNumberOfCells()),
       "write .vtp, .vtu or .hdf, or take the points alone with --lossy");
   }
 }
@@ -266,8 +265,8 @@ void requireKind(Step& step, const Plan& plan)
   {
     if (!onlyPoints(step.points))
     {
-      throw InputError(fmt::format("'{}' holds points with {} cells, and {} holds an image",
-                         plan.words.raw.picture.file, step.points->GetNumberOfCells(), plan.ending),
+      throw InputError(fmt::format("'{}' holds points with {} cells, and {} holds an image", plan.words.raw.file,
+                         step.points->GetNumberOfCells(), plan.ending),
         "write .vtp, .vtu or .hdf");
     }
     step.volume = wholeVolume(gridOf(step.points));
@@ -275,7 +274,7 @@ void requireKind(Step& step, const Plan& plan)
   }
   if (step.volume != nullptr && (plan.target.writes & Image) == 0)
   {
-    throw InputError(fmt::format("'{}' holds an image, and {} holds points", plan.words.raw.picture.file, plan.ending),
+    throw InputError(fmt::format("'{}' holds an image, and {} holds points", plan.words.raw.file, plan.ending),
       "write .vti or .hdf; a table (.csv) has a line for each node, and can become points");
   }
 }
@@ -310,16 +309,19 @@ Plan planOf(const ConversionWords& o, const Format& target, const std::string& e
   Plan plan{ o, target, ending };
   if (!o.type.empty())
     plan.type = typeNamed(numberTypes()[oneOf("--type", o.type, numberTypes())]);
-  if (!o.range.empty())
+  if (o.range)
   {
-    plan.range = rangeOf("--range", o.range, "0.1,0.9");
+    if (!((*o.range)[0] < (*o.range)[1]))
+      throw ParameterError(
+        fmt::format("range {:g} to {:g} is empty", (*o.range)[0], (*o.range)[1]), "give the lower end first");
+    plan.range = *o.range;
     if (plan.type && *plan.type != VTK_UNSIGNED_CHAR && *plan.type != VTK_UNSIGNED_SHORT)
     {
       throw ParameterError("--range maps values to the greys of u8 or u16, and --type says " + o.type,
         "leave --type out, or take u8 or u16");
     }
   }
-  plan.pixelSize = readOptions(o.raw.picture).pixelSize;
+  plan.pixelSize = o.raw.read.pixelSize;
   if (target.write == nullptr)
   {
     throw ParameterError(
@@ -369,18 +371,15 @@ void describeStep(Json& json, Step& step)
   json["arrays"] = arraysJson(headOf(step));
 }
 
-/// What --step says, if anything. @throws ParameterError
+/// The step that was asked for, if one was. @throws ParameterError
 std::optional<std::size_t> chosenStep(const ConversionWords& o, const Source& source)
 {
-  if (o.step.empty())
-    return std::nullopt;
-  const auto number = toInteger(o.step);
-  if (!number || *number < 0 || *number >= static_cast<std::int64_t>(source.files.size()))
+  if (o.step && (*o.step < 0 || static_cast<std::size_t>(*o.step) >= source.files.size()))
   {
-    throw ParameterError(fmt::format("--step '{}' is none of the {} steps", o.step, source.files.size()),
+    throw ParameterError(fmt::format("step {} is none of the {} steps", *o.step, source.files.size()),
       fmt::format("steps count from 0 to {}", source.files.size() - 1));
   }
-  return static_cast<std::size_t>(*number);
+  return o.step;
 }
 
 std::vector<std::size_t> stepsOf(const ConversionWords& o, const Source& source, const std::string& ending)
@@ -390,7 +389,7 @@ std::vector<std::size_t> stepsOf(const ConversionWords& o, const Source& source,
   if (source.files.size() > 1 && ending != ".pvd" && !isPattern(o.output))
   {
     throw ParameterError(
-      fmt::format("'{}' is a series of {} steps, and '{}' one file", o.raw.picture.file, source.files.size(), o.output),
+      fmt::format("'{}' is a series of {} steps, and '{}' one file", o.raw.file, source.files.size(), o.output),
       "choose one with --step NUMBER (from 0), or write -o NAME.pvd or a pattern such as -o NAME_%03d.vti");
   }
   std::vector<std::size_t> steps(source.files.size());
@@ -451,7 +450,7 @@ std::string stepName(const std::string& output, const std::string& ending, std::
 Converted convert(Session& session, const ConversionWords& o, const std::string& command, vtkDataObject* data)
 {
   const auto start = Clock::now();
-  const std::string& file = o.raw.picture.file;
+  const std::string& file = o.raw.file;
   const std::string ending = endingOf(o.output.c_str());
   const Format& named = ending == ".pvd" ? formatOf("-o", "steps.vti") : formatOf("-o", o.output);
   Reading reading{ o.raw, o.arrays, o.lossy };
@@ -533,7 +532,7 @@ Converted convert(Session& session, const ConversionWords& o, const std::string&
 Loaded load(Session& session, const ConversionWords& o)
 {
   Reading reading{ o.raw, o.arrays, o.lossy };
-  const std::string& file = o.raw.picture.file;
+  const std::string& file = o.raw.file;
   const Source source = findSource(file, reading);
   const auto chosen = chosenStep(o, source);
   if (!chosen && source.files.size() > 1)

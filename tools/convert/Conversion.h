@@ -9,7 +9,9 @@
 #include <vtkDataObject.h>
 #include <vtkSmartPointer.h>
 
+#include <array>
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -17,15 +19,15 @@
 namespace lamella::cli
 {
 
-/// What is to be done, in the words of the command line.
+/// What is to be done: the settings of vtkFileConverter.
 struct ConversionWords
 {
-  RawOptions raw;                  ///< FILE and what is said of pictures and raw volumes
-  std::string output;              ///< -o
-  std::vector<std::string> arrays; ///< --array; empty: all
-  std::string step;                ///< --step; empty: all
-  std::string type;                ///< --type
-  std::string range;               ///< --range
+  RawOptions raw; ///< the file and what is said of pictures and raw volumes
+  std::string output;
+  std::vector<std::string> arrays; ///< empty: all
+  std::optional<int> step;         ///< else all
+  std::string type;                ///< of numbers; empty: as they are
+  std::optional<std::array<double, 2>> range;
   bool lossy = false;
   bool overwrite = false;
 };

@@ -90,7 +90,7 @@ std::string imageNotes(Step& step, const std::vector<std::uint8_t>& greys)
 
 Step openPicture(const std::string& path, Reading& reading)
 {
-  PictureReading pictures{ readOptions(reading.raw.picture).pixelSize, reading.lossy };
+  PictureReading pictures{ reading.raw.read.pixelSize, reading.lossy };
   Step step{ openPictures(path, pictures) };
   reading.warnings.insert(reading.warnings.end(), pictures.warnings.begin(), pictures.warnings.end());
   return step;
@@ -130,7 +130,7 @@ Step openHeader(const std::string& path, Reading& reading)
   requireFile(path);
   RawLayout layout = Layout(path);
   requireFile(layout.file.string());
-  if (const auto pixelSize = readOptions(reading.raw.picture).pixelSize)
+  if (const auto pixelSize = reading.raw.read.pixelSize)
   {
     layout.pixelSizeSource = "option"; // its value is set for all formats alike
     layout.spacing.fill(*pixelSize);

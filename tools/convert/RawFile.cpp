@@ -83,17 +83,9 @@ private:
 
 } // namespace
 
-void addRawTypeOptions(CLI::App& command, RawOptions& options)
-{
-  addOption(
-    command, "Sample", "--raw-type", options.type, "Type of the numbers in a raw volume: u8, i16, f32 ...", "TYPE");
-  addOption(command, "Sample", "--raw-order", options.order, "Byte order in a raw volume", "little|big")
-    ->default_str("little");
-}
-
 RawLayout rawLayout(const std::string& path, const RawOptions& options)
 {
-  const micrograph::ReadOptions read = readOptions(options.picture);
+  const micrograph::ReadOptions& read = options.read;
   const std::string notes = notesBeside(path);
   const auto noted = rawNotes(notes);
   micrograph::RawSaid said;

@@ -1,9 +1,9 @@
 #pragma once
 
 #include "convert/Volume.h"
-#include "files/Input.h"
 #include "session/OutputFile.h"
 
+#include "pictures/Picture.h"
 #include "pictures/RawVolume.h"
 
 #include <array>
@@ -17,16 +17,14 @@ namespace lamella::cli
 
 using micrograph::RawLayout;
 
-/// What the command line says of a raw volume, with the words that all commands share for it.
+/// What is said of a file that is read, raw volumes and pixel sizes.
 struct RawOptions
 {
-  PictureOptions picture;
-  std::string type;  ///< --raw-type
-  std::string order; ///< --raw-order
+  std::string file;
+  micrograph::ReadOptions read;
+  std::string type;  ///< of raw numbers; empty: from the name or the notes
+  std::string order; ///< little or big; empty: little
 };
-
-/// Declares --raw-type and --raw-order; addRawOptions() the others.
-void addRawTypeOptions(CLI::App& command, RawOptions& options);
 
 /// @throws InputError, ParameterError
 [[nodiscard]] RawLayout rawLayout(const std::string& path, const RawOptions& options);

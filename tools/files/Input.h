@@ -1,14 +1,12 @@
 #pragma once
 
-#include "PhasePicture.h"
+#include "program/SettingOptions.h"
 
-#include "lattice/GreyRanges.h"
+#include "PhasePicture.h"
 #include "pictures/Picture.h"
 
 #include <CLI/App.hpp>
 
-#include <array>
-#include <cstdint>
 #include <functional>
 #include <optional>
 #include <string>
@@ -21,32 +19,23 @@ namespace lamella::cli
 struct PictureOptions
 {
   std::string file;
-  std::vector<std::string> phase; ///< --phase GREY=NAME, or a range of greys
-  std::string other;              ///< --other NAME
-  std::string window;             ///< --window X,Y,WIDTH,HEIGHT
-  std::string pixelSize;          ///< --pixel-size METRES
-  std::string rawSize;            ///< --raw-size NX,NY,NZ
-  int rawBits = 0;                ///< --raw-bits 8|16; 0: from the name, else 8
-  std::uint64_t rawHeader = 0;    ///< --raw-header BYTES
-  std::string array;              ///< --array NAME
-  bool segment = false;           ///< --segment
-  std::string lumen = "auto";     ///< --lumen auto|bright|dark
-  std::string threshold;          ///< --threshold GREY
+  SettingOptions settings; ///< of vtkPictureReader
 };
 
-/// Declares FILE; the options that name phases; those of raw volumes and pixel sizes; FILE and all of the options
-/// above.
-void addFileOption(CLI::App& command, PictureOptions& options);
+/// Declares the options that name phases; those of raw volumes and pixel sizes; FILE and all of them.
 void addPhaseOptions(CLI::App& command, PictureOptions& options);
 void addRawOptions(CLI::App& command, PictureOptions& options);
 void addPictureOptions(CLI::App& command, PictureOptions& options);
+/// How scans are segmented, but for their lumens, and the words that say so.
+[[nodiscard]] const std::vector<std::string>& scanWords();
 
-/// The options in numbers. @throws ParameterError
-[[nodiscard]] std::optional<Window> parseWindow(const std::string& text);
+/// Those of raw volumes and pixel sizes, of all that convert() reads.
+[[nodiscard]] const std::vector<std::string>& rawWords();
+
+/// What was said, as readPhases() takes it. @throws ParameterError
+[[nodiscard]] lamella::PictureOptions readerOptions(const PictureOptions& options);
 /// Four numbers for a picture, six for a volume. @throws ParameterError
 void requireWindowFits(const Lattice& lattice, const std::optional<Window>& window);
-[[nodiscard]] micrograph::ReadOptions readOptions(const PictureOptions& options);
-[[nodiscard]] std::optional<GreyRanges> greyRanges(const PictureOptions& options);
 
 /// Told by the ending of the name.
 [[nodiscard]] bool isVtkImage(const std::string& path);
@@ -62,9 +51,9 @@ using SampleCheck = std::function<void(const Lattice& sample)>;
 [[nodiscard]] Sample loadSample(const PictureOptions& options, const SampleCheck& check = {});
 
 /// The grey values of a picture or volume, with what lamella recorded in it, if lamella wrote it.
-/// @param read readOptions() of them, and more
 /// @throws InputError
-[[nodiscard]] PictureFile readPictureFile(const PictureOptions& options, micrograph::ReadOptions read);
+[[nodiscard]] PictureFile readPictureFile(
+  const std::string& file, micrograph::ReadOptions read, const std::string& array = {});
 
 /// A --pixel-size, as given, without a unit and certainly no microscope's: micrometres were meant. Empty where there is
 /// nothing to say.

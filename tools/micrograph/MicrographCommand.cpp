@@ -50,7 +50,7 @@ public:
     source_ = loadMicrograph(session_, options_.input);
     for (const std::string& warning : source_.warnings)
       warn(warning);
-    if (const std::string doubt = pixelSizeDoubt(options_.input.picture.pixelSize); !doubt.empty())
+    if (const std::string doubt = pixelSizeDoubt(options_.input.settings().text("pixel-size")); !doubt.empty())
       warn(doubt);
     measure();
     step(0.3, "lattice");

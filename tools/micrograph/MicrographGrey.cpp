@@ -79,24 +79,23 @@ void refuseVolume(const Lattice& whole)
 GreyPicture readGreyPicture(const MicrographOptions& options)
 {
   const PictureOptions& picture = options.picture;
-  if (options.shares && !options.level.empty())
+  const SettingOptions& settings = picture.settings;
+  if (options.shares && settings.given("level"))
     throw ParameterError("--level and --shares contradict each other", "of shares the level is one half: leave it out");
-  if (picture.segment)
+  if (settings.given("segment"))
     throw ParameterError("--segment and --level or --shares contradict each other", "leave one of them out");
-  (void)greyLevel(options);
-  const auto window = parseWindow(picture.window);
+  const lamella::PictureOptions said = pictureOptions(options, true);
+  const auto& window = said.window;
   GreyPicture found;
   if (isVtkImage(picture.file))
   {
     const auto data = readGrid(picture.file, refuseVolume);
     auto* const image = vtkImageData::SafeDownCast(data);
-    found.array = picture.array.empty() ? "lumen_share" : picture.array;
-    found.pixelSizeSource =
-      picture.pixelSize.empty() ? fieldText(image, "pixel_size_source").value_or("file") : "option";
+    found.array = said.array.empty() ? "lumen_share" : said.array;
+    found.pixelSizeSource = said.read.pixelSize ? "option" : fieldText(image, "pixel_size_source").value_or("file");
     found.provenance = provenance(image);
     Lattice lattice = latticeOf(image);
-    if (!picture.pixelSize.empty())
-      lattice.spacing = lengthInMetres("--pixel-size", picture.pixelSize);
+    lattice.spacing = said.read.pixelSize.value_or(lattice.spacing);
     requireWindowFits(lattice, window);
     vtkDataArray* const array = image->GetPointData()->GetArray(found.array.c_str());
     found.image = image;
@@ -104,10 +103,10 @@ GreyPicture readGreyPicture(const MicrographOptions& options)
       found.image = part(image, array, lattice, window);
     return found;
   }
-  micrograph::ReadOptions read = readOptions(picture);
+  micrograph::ReadOptions read = said.read;
   read.window = window;
   read.sizeKnown = refuseVolume;
-  PictureFile file = readPictureFile(picture, read);
+  PictureFile file = readPictureFile(picture.file, read);
   refuseVolume(file.picture.lattice);
   found.array = kGrey;
   found.image = file.picture.bits > 8 ? greyImage<vtkUnsignedShortArray, unsigned short>(file.picture)

@@ -1,7 +1,6 @@
 #include "micrograph/MicrographInput.h"
 
 #include "commands/FilterRun.h"
-#include "commands/PackingInput.h"
 #include "files/GridFile.h"
 #include "micrograph/MicrographGrey.h"
 #include "session/Session.h"
@@ -32,11 +31,15 @@ namespace lamella::cli
 namespace
 {
 
-void refuse(const std::vector<CLI::Option*>& options, const std::string& file, const std::string& why)
+void refuse(const MicrographOptions& options, const std::vector<std::string>& words, const std::string& why)
 {
-  if (const std::string given = firstGiven(options); !given.empty())
-    throw ParameterError(given + " is for " + why, "leave it out: '" + file + "' is something else");
+  if (const std::string given = options.settings().firstGiven(words); !given.empty())
+    throw ParameterError(given + " is for " + why, "leave it out: '" + options.picture.file + "' is something else");
 }
+
+const std::vector<std::string> ofLabels{ "phase", "other", "lumen-phase" };
+const std::vector<std::string> ofPolygons{ "unit", "y-down" };
+const std::vector<std::string> ofMasks{ "smooth", "wavelength" };
 
 void requirePixelSize(const std::string& source, const std::string& file)
 {
@@ -47,24 +50,26 @@ void requirePixelSize(const std::string& source, const std::string& file)
 Micrograph loadOutlines(Session& session, const MicrographOptions& options)
 {
   const std::string& file = options.picture.file;
-  refuse(options.forScans, file, "scans");
-  refuse({ options.lumenOption }, file, "scans and grey pictures");
-  refuse(options.forLabels, file, "labels");
-  refuse({ options.arrayOption }, file, "pictures in a .vti");
-  refuse(options.forMasks, file, "pictures");
-  refuse(options.forPictures, file, "pictures");
-  refuse(options.forGreys, file, "grey pictures");
+  refuse(options, scanWords(), "scans");
+  refuse(options, { "lumen" }, "scans and grey pictures");
+  refuse(options, ofLabels, "labels");
+  refuse(options, { "array" }, "pictures in a .vti");
+  refuse(options, ofMasks, "pictures");
+  refuse(options, { "pixel-size", "tolerance" }, "pictures");
+  if (options.grey())
+    throw ParameterError(std::string(options.shares ? "--shares" : "--level") + " is for grey pictures",
+      "leave it out: '" + file + "' is something else");
   requireFile(file);
   Micrograph found;
   found.kind = MicrographKind::Polygons;
   const bool outlines = endingOf(file) == ".vtp";
   if (outlines)
-    refuse(options.forPolygons, file, "polygons in .json or .json.gz");
+    refuse(options, ofPolygons, "polygons in .json or .json.gz");
   vtkNew<vtkMicrographPolygonReader> reader;
-  options.outlines.give(reader);
+  options.settings().give(reader);
   reader->SetFileName(file.c_str());
-  if (!options.picture.window.empty())
-    reader->SetWindow(polygonWindow(options.picture.window).data());
+  if (const std::string window = options.settings().text("window"); !window.empty())
+    reader->SetWindow(polygonWindow(window).data());
   runFilter(session, reader, "outlines");
   found.warnings = VtkMessages::takeWarnings();
   found.outlines = reader->GetOutput();
@@ -74,29 +79,12 @@ Micrograph loadOutlines(Session& session, const MicrographOptions& options)
   return found;
 }
 
-/// Which phase the lumens are. @throws ParameterError, InputError
-std::uint8_t lumenOf(const MicrographOptions& options, const PhaseTable& phases)
-{
-  if (!options.lumenPhase.empty())
-  {
-    if (const auto id = phaseMeant(phases.names(), options.lumenPhase))
-      return static_cast<std::uint8_t>(*id);
-    throw ParameterError("--lumen-phase '" + options.lumenPhase + "' is no phase of this picture",
-      suggestion(options.lumenPhase, phases.names(), "its phases are " + quotedList(phases.names(), "and")));
-  }
-  for (const char* const name : { "lumen", "void", "pore", "air" })
-    if (const auto id = phases.find(name))
-      return *id;
-  throw InputError("which phase is the lumens? '" + options.picture.file + "' has " + quotedList(phases.names(), "and"),
-    "add --lumen-phase NAME");
-}
-
 /// Finds the outlines in the picture.
 void extract(Session& session, Micrograph& found, vtkMicrographContours* filter, const MicrographOptions& options)
 {
   filter->SetInputData(found.picture);
   setFieldText(found.picture, "pixel_size_source", found.pixelSizeSource);
-  options.outlines.give(filter);
+  options.settings().give(filter);
   runFilter(session, filter, "outlines");
   const std::vector<std::string> warnings = VtkMessages::takeWarnings();
   found.warnings.insert(found.warnings.end(), warnings.begin(), warnings.end());
@@ -110,12 +98,11 @@ void extract(Session& session, Micrograph& found, vtkMicrographContours* filter,
 Micrograph loadGrey(Session& session, const MicrographOptions& options)
 {
   const PictureOptions& picture = options.picture;
-  refuse(options.forScans, picture.file, "scans that are segmented");
-  refuse(options.forLabels, picture.file, "labels");
-  refuse(options.forMasks, picture.file, "labels and scans that are segmented");
+  refuse(options, scanWords(), "scans that are segmented");
+  refuse(options, ofLabels, "labels");
+  refuse(options, ofMasks, "labels and scans that are segmented");
   if (!isVtkImage(picture.file))
-    refuse({ options.arrayOption }, picture.file, "pictures in a .vti");
-  const bool below = oneOf("--lumen", picture.lumen, std::vector<std::string>{ "auto", "bright", "dark" }) == 2;
+    refuse(options, { "array" }, "pictures in a .vti");
   GreyPicture grey = readGreyPicture(options);
   requirePixelSize(grey.pixelSizeSource, picture.file);
   Micrograph found;
@@ -127,8 +114,7 @@ Micrograph loadGrey(Session& session, const MicrographOptions& options)
   vtkNew<vtkMicrographContours> filter;
   filter->SetBasis(options.shares ? vtkMicrographContours::SHARES : vtkMicrographContours::LEVEL);
   filter->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, grey.array.c_str());
-  filter->SetLevel(greyLevel(options));
-  filter->SetLumenBelow(below);
+  filter->SetLumenBelow(options.settings().text("lumen") == "dark");
   extract(session, found, filter, options);
   found.scan = std::move(grey.picture);
   return found;
@@ -136,8 +122,8 @@ Micrograph loadGrey(Session& session, const MicrographOptions& options)
 
 Micrograph loadLabels(Session& session, const MicrographOptions& options)
 {
-  refuse(options.forScans, options.picture.file, "scans");
-  refuse({ options.lumenOption }, options.picture.file, "scans and grey pictures");
+  refuse(options, scanWords(), "scans");
+  refuse(options, { "lumen" }, "scans and grey pictures");
   Sample sample = loadSample(options.picture, refuseVolume);
   refuseVolume(sample.image.lattice);
   requirePixelSize(sample.pixelSizeSource, options.picture.file);
@@ -149,7 +135,6 @@ Micrograph loadLabels(Session& session, const MicrographOptions& options)
   found.labels = std::make_shared<PhaseImage>(std::move(sample.image));
   found.picture = toImageData(*found.labels);
   vtkNew<vtkMicrographContours> filter;
-  filter->SetLumenPhase(found.labels->phases.names()[lumenOf(options, found.labels->phases)]);
   extract(session, found, filter, options);
   return found;
 }
@@ -173,13 +158,14 @@ std::vector<micrograph::Mark> marksIn(
 
 Micrograph segmentScan(Session& session, const MicrographOptions& options, PictureFile file)
 {
-  refuse(options.forLabels, options.picture.file, "labels");
+  refuse(options, ofLabels, "labels");
   micrograph::Picture& picture = file.picture;
   refuseVolume(picture.lattice);
-  const auto window = parseWindow(options.picture.window);
+  const lamella::PictureOptions said = pictureOptions(options, true);
+  const auto& window = said.window;
   requireWindowFits(picture.lattice, window);
   const auto first = window ? firstNode(picture.lattice, *window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
-  micrograph::SegmentOptions how = segmentOptions(options);
+  micrograph::SegmentOptions how = *said.segment;
   // The whole scan, for the light and the threshold; the window is cut afterwards.
   how.judged = window;
   micrograph::Segmentation parts = micrograph::segment(picture, how);
@@ -232,23 +218,23 @@ Micrograph loadMicrograph(Session& session, const MicrographOptions& options)
   const PictureOptions& picture = options.picture;
   if (isOutlineFile(picture.file))
   {
-    if (picture.segment)
+    if (options.settings().given("segment"))
       throw ParameterError("--segment is for scans, and '" + picture.file + "' holds outlines", "leave --segment out");
     return loadOutlines(session, options);
   }
-  refuse(options.forPolygons, picture.file, "polygons");
+  refuse(options, ofPolygons, "polygons");
   if (options.grey())
     return loadGrey(session, options);
-  if (picture.segment && greyRanges(picture))
+  const bool segment = options.settings().given("segment");
+  const bool named = !options.settings().firstGiven({ "phase", "other" }).empty();
+  if (segment && named)
   {
     throw ParameterError("--segment and --phase contradict each other",
       "leave --phase and --other out: the phases of a segmented scan are 'lumen' and 'wall'");
   }
-  if (!picture.segment && (isVtkImage(picture.file) || greyRanges(picture)))
+  if (!segment && (isVtkImage(picture.file) || named))
     return loadLabels(session, options);
-  (void)parseWindow(picture.window);
-  (void)segmentOptions(options); // mistakes in them are told before the picture is read
-  micrograph::ReadOptions read = readOptions(picture);
+  micrograph::ReadOptions read = pictureOptions(options, true).read;
   read.keepColour = true;
   read.sizeKnown = [&](const Lattice& whole)
   {
@@ -260,8 +246,8 @@ Micrograph loadMicrograph(Session& session, const MicrographOptions& options)
                           bytesText(bytes), bytesText(available)),
         "cut the scan into parts");
   };
-  PictureFile file = readPictureFile(picture, read);
-  if (!picture.segment && ((file.record && !file.record->phases.empty()) || looksLikeLabels(file.picture)))
+  PictureFile file = readPictureFile(picture.file, read, options.settings().text("array"));
+  if (!segment && ((file.record && !file.record->phases.empty()) || looksLikeLabels(file.picture)))
     return loadLabels(session, options);
   requirePixelSize(file.picture.pixelSizeSource, picture.file);
   return segmentScan(session, options, std::move(file));

@@ -4,8 +4,6 @@
 #include "program/Commands.h"
 #include "program/SettingOptions.h"
 
-#include "segmentation/Segmentation.h"
-
 #include <CLI/App.hpp>
 
 #include <array>
@@ -18,25 +16,12 @@ namespace lamella::cli
 /// What `lamella micrograph` takes and how its outlines are found.
 struct MicrographOptions
 {
-  PictureOptions picture;
-  std::string lumenPhase; ///< of labels; empty: "lumen", "void", "pore" or "air"
-  // scans
-  std::string channel = "auto";
-  bool keepGraphics = false;
-  std::string background, smoothing, opening, rim, smallestLumen, smallestWall;
-  double raySlenderness = micrograph::SegmentOptions().raySlenderness;
-  double grow = 0;
-  // grey pictures that are not segmented
-  std::string level; ///< --level; empty: not given
-  bool shares = false;
-  SettingOptions outlines; ///< of vtkMicrographContours and vtkMicrographPolygonReader
+  PictureOptions picture; ///< its settings, and those of vtkMicrographContours and vtkMicrographPolygonReader
+  bool shares = false;    ///< outlines from lumen's shares of the pixels
 
-  std::vector<CLI::Option*> forScans, forLabels, forMasks, forPictures, forPolygons, forGreys;
-  CLI::Option* lumenOption = nullptr; ///< --lumen
-  CLI::Option* arrayOption = nullptr; ///< --array
-
+  [[nodiscard]] const SettingOptions& settings() const { return picture.settings; }
   /// Outlines at a level, or from shares.
-  [[nodiscard]] bool grey() const { return shares || !level.empty(); }
+  [[nodiscard]] bool grey() const { return shares || settings().given("level"); }
 };
 
 /// The words of `lamella micrograph`.
@@ -53,10 +38,8 @@ struct MicrographCommandOptions
 
 void addMicrographInput(CLI::App& command, MicrographOptions& options);
 
-/// The options in numbers. @throws ParameterError
-[[nodiscard]] micrograph::SegmentOptions segmentOptions(const MicrographOptions& options);
-/// A part of full scale between 0 and 1; one half if not given.
-[[nodiscard]] double greyLevel(const MicrographOptions& options);
+/// As readPhases() would take what was said of the picture, which is a scan or not. @throws ParameterError
+[[nodiscard]] lamella::PictureOptions pictureOptions(const MicrographOptions& options, bool scan);
 /// Low x, low y, high x, high y of a window of polygons.
 [[nodiscard]] std::array<double, 4> polygonWindow(const std::string& text);
 

@@ -57,36 +57,6 @@ Json jsonOf(const ClassNumbers& numbers)
   return { { "count", numbers.count }, { "area_share", numbers.areaShare }, { "median_diameter", numbers.diameter } };
 }
 
-Json jsonOf(const micrograph::SegmentReport& r)
-{
-  Json json;
-  json["channel"] = r.channel;
-  json["weights"] = r.weights;
-  json["lumen"] = r.brightLumen ? "bright" : "dark";
-  json["background"] = r.background;
-  json["unevenness"] = r.unevenness;
-  json["noise"] = r.noise;
-  json["smoothing"] = r.smoothing;
-  json["threshold"] = r.threshold;
-  json["separability"] = r.separability;
-  json["smallest_lumen"] = r.smallestLumen;
-  json["smallest_wall"] = r.smallestWall;
-  json["lumens_removed"] = r.lumensRemoved;
-  json["walls_removed"] = r.wallsRemoved;
-  json["opening"] = r.opening;
-  json["neck_nodes"] = r.neckNodes;
-  json["rim"] = r.rim;
-  json["rim_depth"] = r.rimDepth;
-  json["rim_channel"] = r.rimChannel;
-  json["ray_gaps"] = r.rays;
-  json["graphics_share"] = r.graphicsShare;
-  json["lumens"] = r.lumens;
-  json["lumen_fraction"] = r.lumenFraction;
-  json["doubts"] = r.doubtNames();
-  json["lines"] = r.lines();
-  return json;
-}
-
 Json jsonOf(const lbm::ContourStep& step)
 {
   return { { "spacing", step.spacing }, { "value", step.value }, { "nodes", step.nodes },
@@ -138,6 +108,76 @@ bool lookLikeCells(const Micrograph& micrograph, const std::vector<micrograph::L
   return (!micrograph.segmentation || micrograph.segmentation->cells) && compact >= most * area;
 }
 
+Json segmentationJson(const micrograph::SegmentReport& r)
+{
+  return { { "channel", r.channel }, { "weights", r.weights }, { "lumen", r.brightLumen ? "bright" : "dark" },
+    { "background", r.background }, { "unevenness", r.unevenness }, { "noise", r.noise }, { "smoothing", r.smoothing },
+    { "threshold", r.threshold }, { "separability", r.separability }, { "smallest_lumen", r.smallestLumen },
+    { "smallest_wall", r.smallestWall }, { "lumens_removed", r.lumensRemoved }, { "walls_removed", r.wallsRemoved },
+    { "opening", r.opening }, { "neck_nodes", r.neckNodes }, { "rim", r.rim }, { "rim_depth", r.rimDepth },
+    { "rim_channel", r.rimChannel }, { "half_height", r.halfHeight }, { "ray_gaps", r.rays },
+    { "graphics_share", r.graphicsShare }, { "vessels", r.vessels }, { "lumens", r.lumens },
+    { "lumen_fraction", r.lumenFraction }, { "cells", r.cells }, { "doubts", r.doubtNames() }, { "lines", r.lines() } };
+}
+
+namespace
+{
+
+Json contoursJson(const Micrograph& m)
+{
+  std::int64_t points = 0;
+  for (const auto& contour : m.contours.contours)
+    points += static_cast<std::int64_t>(contour.points.size());
+  Json contours{ { "chains", m.contours.contours.size() }, { "points", points } };
+  if (m.picture != nullptr)
+  {
+    const auto number = [&](const char* name) { return fieldNumbers(m.outlines, name).at(0); };
+    for (const auto& [key, name] : { std::pair{ "islands", "islands" }, std::pair{ "nested_lumens", "nested_lumens" },
+           std::pair{ "small", "small_lumens" }, std::pair{ "ragged", "ragged_lumens" } })
+      contours[key] = std::llround(number(name));
+    contours["area_missing"] = number("area_missing") * m.pixel * m.pixel;
+  }
+  return contours;
+}
+
+Json diffusionJson(const MicrographReport& report)
+{
+  Json diffusion;
+  for (const auto& [name, value] : report.found.conductivity)
+    diffusion["conductivity"][name] = value;
+  for (const lbm::ContourAnswer& a : report.found.answers)
+  {
+    Json& axis = diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]];
+    axis = { { "value", a.value }, { "error", jsonNumber(a.error * a.value) },
+      { "relative_error", jsonNumber(a.error) }, { "lattice_error", a.latticeError },
+      { "picture_error", jsonNumber(a.pictureError) }, { "fine", jsonOf(a.fine) }, { "coarse", jsonOf(a.coarse) },
+      { "balance", a.result.balance }, { "seconds", a.seconds } };
+    for (const lbm::ContourStep& step : a.steps)
+      axis["steps"].push_back(jsonOf(step));
+    if (report.micrograph->kind == MicrographKind::Scan)
+      axis["segmentation_doubt"] = std::abs(a.moved);
+    if (!a.coarser.empty())
+      axis["border_doubt"] = std::abs(a.sealed);
+    for (const SubsampleValues& c : a.coarser)
+      axis["coarser_pictures"].push_back({ { "stride", std::lround(c.stride) }, { "values", c.values } });
+  }
+  return diffusion;
+}
+
+Json lamellaJson(const LamellaReport& l)
+{
+  Json json{ { "method", l.method }, { "thickness", l.thickness }, { "radius", l.radius }, { "horizon", l.horizon },
+    { "nodes_across", { { "mean", l.mean }, { "low", l.low } } }, { "wall_share", l.wallShare } };
+  if (l.method != "labels")
+  {
+    json.update({ { "networks", l.networks }, { "largest_network", l.largestNetwork }, { "cells", l.cells },
+      { "cells_touched", l.cellsTouched }, { "cells_cut_off", l.cellsCutOff } });
+  }
+  return json;
+}
+
+} // namespace
+
 std::string toJson(const MicrographReport& report)
 {
   const Micrograph& m = *report.micrograph;
@@ -156,20 +196,8 @@ std::string toJson(const MicrographReport& report)
     json["unit"] = m.unit;
   }
   if (m.segmentation)
-    json["segmentation"] = jsonOf(*m.segmentation);
-  std::int64_t points = 0;
-  for (const auto& contour : m.contours.contours)
-    points += static_cast<std::int64_t>(contour.points.size());
-  Json contours{ { "chains", m.contours.contours.size() }, { "points", points } };
-  if (m.picture != nullptr)
-  {
-    const auto number = [&](const char* name) { return fieldNumbers(m.outlines, name).at(0); };
-    for (const auto& [key, name] : { std::pair{ "islands", "islands" }, std::pair{ "nested_lumens", "nested_lumens" },
-           std::pair{ "small", "small_lumens" }, std::pair{ "ragged", "ragged_lumens" } })
-      contours[key] = std::llround(number(name));
-    contours["area_missing"] = number("area_missing") * m.pixel * m.pixel;
-  }
-  json["contours"] = contours;
+    json["segmentation"] = segmentationJson(*m.segmentation);
+  json["contours"] = contoursJson(m);
   json["lumens"] = jsonOf(numbersOf(
     report, [](std::size_t) { return true; }));
   json["lumens"]["open"] =
@@ -202,48 +230,9 @@ std::string toJson(const MicrographReport& report)
     { "low", report.thickness.low / report.spacing } };
   lattice["phases"] = phasesJson(report.phases, report.fractions);
   lattice["seconds"] = report.latticeSeconds;
-  if (report.lamella)
-  {
-    const LamellaReport& l = *report.lamella;
-    json["lamella"] = { { "method", l.method }, { "thickness", l.thickness }, { "radius", l.radius },
-      { "horizon", l.horizon }, { "nodes_across", { { "mean", l.mean }, { "low", l.low } } },
-      { "wall_share", l.wallShare } };
-    if (l.method != "labels")
-    {
-      json["lamella"]["networks"] = l.networks;
-      json["lamella"]["largest_network"] = l.largestNetwork;
-      json["lamella"]["cells"] = l.cells;
-      json["lamella"]["cells_touched"] = l.cellsTouched;
-      json["lamella"]["cells_cut_off"] = l.cellsCutOff;
-    }
-  }
-  else
-  {
-    json["lamella"] = nullptr;
-  }
+  json["lamella"] = report.lamella ? lamellaJson(*report.lamella) : Json(nullptr);
   if (!report.found.answers.empty())
-  {
-    Json& diffusion = json["diffusion"];
-    for (const auto& [name, value] : report.found.conductivity)
-      diffusion["conductivity"][name] = value;
-    for (const lbm::ContourAnswer& a : report.found.answers)
-    {
-      diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]] = { { "value", a.value },
-        { "error", jsonNumber(a.error * a.value) }, { "relative_error", jsonNumber(a.error) },
-        { "lattice_error", a.latticeError }, { "picture_error", jsonNumber(a.pictureError) },
-        { "fine", jsonOf(a.fine) }, { "coarse", jsonOf(a.coarse) }, { "balance", a.result.balance },
-        { "seconds", a.seconds } };
-      Json& axis = diffusion["axes"][axisNames[static_cast<std::size_t>(a.axis)]];
-      for (const lbm::ContourStep& step : a.steps)
-        axis["steps"].push_back(jsonOf(step));
-      if (m.kind == MicrographKind::Scan)
-        axis["segmentation_doubt"] = std::abs(a.moved);
-      if (!a.coarser.empty())
-        axis["border_doubt"] = std::abs(a.sealed);
-      for (const SubsampleValues& c : a.coarser)
-        axis["coarser_pictures"].push_back({ { "stride", std::lround(c.stride) }, { "values", c.values } });
-    }
-  }
+    json["diffusion"] = diffusionJson(report);
   json["files"] = report.written;
   json["warnings"] = report.warnings;
   json["seconds"] = report.seconds;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "files/JsonReport.h"
 #include "micrograph/MicrographInput.h"
 
 #include "OutlineFindings.h"
@@ -63,6 +64,8 @@ struct MicrographReport
 /// cells.
 [[nodiscard]] bool lookLikeCells(const Micrograph& micrograph, const std::vector<micrograph::LumenMeasures>& measures);
 
+/// How a scan was segmented, lengths in pixels.
+[[nodiscard]] Json segmentationJson(const micrograph::SegmentReport& report);
 [[nodiscard]] std::string toJson(const MicrographReport& report);
 [[nodiscard]] std::string toTable(const MicrographReport& report);
 

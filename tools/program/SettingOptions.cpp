@@ -60,21 +60,36 @@ std::string form(const Setting& setting)
         [](const SettingChoice& name) { return name.word; });
       return fmt::format("{}{}NUMBER", fmt::join(words, "|"), words.empty() ? "" : "|");
     case SettingKind::Number:
-      return setting.unit[0] == '\0' && setting.low == 0 && setting.high == 1 ? "SHARE" : "NUMBER";
+      return std::string_view(setting.unit) == "pixels"                    ? "PIXELS"
+        : setting.unit[0] == '\0' && setting.low == 0 && setting.high == 1 ? "SHARE"
+                                                                           : "NUMBER";
     case SettingKind::List:
       if (setting.types.size() == 1)
         return setting.types[0] == Type::Text ? "NAME" : "LIST";
       if (setting.types.size() == 2 && setting.types[0] == Type::Text)
-        return upper(setting.parts[0]) + "=" + (setting.types[1] == Type::Text ? upper(setting.parts[0]) : "VALUE");
+      {
+        const std::string second = upper(setting.parts[1]);
+        return upper(setting.parts[0]) + "=" +
+          (setting.types[1] != Type::Text ? "VALUE"
+              : second == "LIKE"          ? upper(setting.parts[0])
+                                          : second);
+      }
       break;
     case SettingKind::Vector:
       break;
   }
   std::transform(setting.parts.begin(), setting.parts.end(), std::back_inserter(words), upper);
+  for (std::size_t part = 0; part < words.size() && !setting.flat.empty(); ++part)
+  {
+    const bool flat = std::find(setting.flat.begin(), setting.flat.end(), part) != setting.flat.end();
+    words[part].insert(0, part == 0 ? "" : ",");
+    if (flat)
+      words[part] = fmt::format("[{}]", words[part]);
+  }
   const std::string last = std::isnan(setting.rest) || words.empty() ? "" : fmt::format("[,{}]", words.back());
   if (!last.empty())
     words.pop_back();
-  return fmt::format("{}{}", fmt::join(words, ","), last);
+  return fmt::format("{}{}", fmt::join(words, setting.flat.empty() ? "," : ""), last);
 }
 
 /// @param whole what was written, of which `text` is a part
@@ -193,13 +208,17 @@ std::vector<SettingValue> valuesOf(const Setting& setting, const std::string& te
   else if (setting.types.size() > 1)
   {
     parts = split(text, ',');
+    if (parts.size() + setting.flat.size() == setting.types.size())
+      for (const std::size_t part : setting.flat)
+        parts.insert(parts.begin() + static_cast<std::ptrdiff_t>(part), "0");
   }
   const bool shorter = !std::isnan(setting.rest) && parts.size() + 1 == setting.types.size();
   if (parts.size() != setting.types.size() && !shorter)
   {
+    const std::size_t left = std::isnan(setting.rest) ? setting.flat.size() : 1;
     refuse(setting, text,
-      fmt::format("{}{} numbers", std::isnan(setting.rest) ? "" : fmt::format("{} or ", setting.types.size() - 1),
-        setting.types.size()));
+      fmt::format(
+        "{}{} numbers", left == 0 ? "" : fmt::format("{} or ", setting.types.size() - left), setting.types.size()));
   }
   std::vector<SettingValue> values;
   for (std::size_t i = 0; i < parts.size(); ++i)
@@ -305,6 +324,14 @@ void SettingOptions::declare(CLI::App& command, const std::string& className, co
   standards(command, defaults);
 }
 
+void SettingOptions::declareSome(CLI::App& command, const std::string& className, const std::vector<std::string>& words,
+  const std::string& group, bool early)
+{
+  const std::vector<Setting>& settings = settingsOf(className);
+  for (const std::string& word : words)
+    add(command, settings, *named(settings, word), group, early);
+}
+
 void SettingOptions::declareKind(CLI::App& command, const std::string& className,
   const std::pair<std::string, int>& choice, const std::map<std::string, std::string>& defaults)
 {
@@ -330,14 +357,16 @@ void SettingOptions::standards(CLI::App& command, const std::map<std::string, st
   }
 }
 
-void SettingOptions::add(CLI::App& command, const std::vector<Setting>& settings, const Setting& setting)
+void SettingOptions::add(
+  CLI::App& command, const std::vector<Setting>& settings, const Setting& setting, std::string group, bool early)
 {
   // Written as what it is of, PHASE=VALUE.
   const std::string word = setting.word;
   if (word == "phase-constant" || (word.starts_with("phase-") && named(settings, word.substr(6)) != nullptr))
     return;
   Option& option = *(options_[setting.word] = std::make_unique<Option>(Option{ &setting, {}, false, false, {} }));
-  const std::string group = setting.group[0] == '\0' ? "Settings" : setting.group;
+  if (group.empty())
+    group = setting.group[0] == '\0' ? "Settings" : setting.group;
   const bool on = setting.off[0] != '\0'; // by itself
   if (setting.kind == SettingKind::Switch)
   {
@@ -353,7 +382,8 @@ void SettingOptions::add(CLI::App& command, const std::vector<Setting>& settings
   CLI::Option* const added = command.add_option(fmt::format("--{}", setting.word), option.texts, setting.text);
   added->type_name(form(setting) + (byPhase ? "|PHASE=VALUE" : ""))->allow_extra_args(false)->group(group);
   // What is wrong with a value is told when the words are read, by a scene before its first sample.
-  added->each([&setting, byPhase](const std::string& text) { check(setting, text, byPhase); });
+  if (early)
+    added->each([&setting, byPhase](const std::string& text) { check(setting, text, byPhase); });
   if (setting.kind != SettingKind::List)
     added->default_str(setting.standard);
   if (setting.kind != SettingKind::List && !byPhase)
@@ -471,6 +501,15 @@ bool SettingOptions::given(const std::string& word) const
     [&](const auto& former)
     { return former->option == found->second.get() && (former->used || !former->texts.empty()); });
   return before || !found->second->texts.empty() || found->second->on || found->second->off;
+}
+
+std::string SettingOptions::firstGiven(const std::vector<std::string>& words) const
+{
+  const auto found = std::find_if(words.begin(), words.end(), [this](const std::string& word) { return given(word); });
+  if (found == words.end())
+    return "";
+  const Setting& setting = *options_.at(*found)->setting;
+  return fmt::format("--{}", setting.off[0] != '\0' ? setting.off : setting.word);
 }
 
 std::string SettingOptions::text(const std::string& word) const

@@ -33,6 +33,10 @@ public:
   /// @param defaults by word, where this command's are not the class's
   void declare(CLI::App& command, const std::string& className, const std::vector<std::string>& leave = {},
     const std::map<std::string, std::string>& defaults = {});
+  /// The same of these words alone, in one group.
+  /// @param early what is wrong with a value is told when the words are read, by a scene before its first sample
+  void declareSome(CLI::App& command, const std::string& className, const std::vector<std::string>& words,
+    const std::string& group, bool early = true);
   /// The same of one kind of what a class makes: settings that do not count with it are left out.
   /// @param choice which of the class's choices is taken; it is no option then
   /// @param defaults by word, where this kind's are not the class's
@@ -49,6 +53,8 @@ public:
   void give(vtkObject* object) const;
   /// Whether the command line has it.
   [[nodiscard]] bool given(const std::string& word) const;
+  /// The first of these that the command line has, as it is written there; empty where it has none.
+  [[nodiscard]] std::string firstGiven(const std::vector<std::string>& words) const;
   /// As it was written, last; empty where it was not.
   [[nodiscard]] std::string text(const std::string& word) const;
   /// How many things are listed.
@@ -80,7 +86,8 @@ private:
     bool used = false;
     int part = -1;
   };
-  void add(CLI::App& command, const std::vector<Setting>& settings, const Setting& setting);
+  void add(CLI::App& command, const std::vector<Setting>& settings, const Setting& setting, std::string group = "",
+    bool early = true);
 
   std::map<std::string, std::unique_ptr<Option>> options_;
   std::pair<std::string, int> kind_; ///< word of the choice that a command has taken; empty: none

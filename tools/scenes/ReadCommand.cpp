@@ -34,7 +34,7 @@ struct ReadOptions
 /// Nothing said of it: the file as it is.
 bool asItIs(const PictureOptions& o)
 {
-  return o.phase.empty() && o.other.empty() && o.window.empty() && o.pixelSize.empty() && o.array.empty() && !o.segment;
+  return o.settings.firstGiven({ "phase", "other", "window", "pixel-size", "array", "segment" }).empty();
 }
 
 void readSample(Session& session, const ReadOptions& o, const std::string& commandLine)
@@ -73,6 +73,9 @@ Command readCommand(CLI::App& root)
   CLI::App* app = root.add_subcommand("read", "Takes a sample from a file");
   auto o = std::make_shared<ReadOptions>();
   addPictureOptions(*app, o->picture);
+  std::vector<std::string> words = scanWords();
+  std::erase(words, "threshold"); // is there
+  o->picture.settings.declareSome(*app, "vtkPictureReader", words, "Scan");
   addOutputOptions(*app, o->output, o->common, "The sample in memory");
   addReportOptions(*app, o->common);
   return aloneCommand(app, o, readSample);

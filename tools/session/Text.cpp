@@ -128,16 +128,6 @@ void checkThreads(int threads, const char* hint)
     throw ParameterError(fmt::format("--threads {} is outside 1 to 1024", threads), hint);
 }
 
-std::array<double, 2> rangeOf(const std::string& option, const std::string& text, const std::string& example)
-{
-  const std::vector<std::string> ends = split(text, ',');
-  const std::optional<double> low = ends.size() == 2 ? toNumber(ends[0]) : std::nullopt;
-  const std::optional<double> high = ends.size() == 2 ? toNumber(ends[1]) : std::nullopt;
-  if (!low || !high || !std::isfinite(*low) || !std::isfinite(*high) || !(*low < *high))
-    throw ParameterError(option + " '" + text + "' is not two numbers, the lower first", "write it " + example);
-  return { *low, *high };
-}
-
 std::pair<std::string, std::string> keyValue(
   const std::string& option, const std::string& text, const std::string& form)
 {

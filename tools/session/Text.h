@@ -37,10 +37,6 @@ namespace lamella::cli
 /// Refuses --threads that no machine has. @throws ParameterError
 void checkThreads(int threads, const char* hint = "give the number of cores to use");
 
-/// "LOW,HIGH", finite, the lower first. @param example how it is written, with its unit
-[[nodiscard]] std::array<double, 2> rangeOf(
-  const std::string& option, const std::string& text, const std::string& example);
-
 /// "KEY=VALUE" with neither empty.
 [[nodiscard]] std::pair<std::string, std::string> keyValue(
   const std::string& option, const std::string& text, const std::string& form);

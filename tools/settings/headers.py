@@ -11,6 +11,7 @@ who set it in any front end, and then, in lines that begin with @:
     @unit Pa                      unit of its numbers
     @range [0, 1)                 what is allowed; numbers are finite unless it says inf]
     @rest 1                       of a vector: its last number where people leave it out; same: as the one before
+    @flat z, depth               of a vector: its parts that are 0 where people leave them out, all of them
     @unset 0                      what stands for a number that is not given, out of its range: a default that nobody can give
     @choice Loads                 the enum of what it can be, or its enumerators, if it cannot be all of them
     @words viridis inferno        of a text: what it can be
@@ -96,6 +97,7 @@ class Setting:
     names: list = dataclasses.field(default_factory=list)  # words for some of its numbers: (word, number)
     colour: bool = False
     rest: object = None
+    flat: tuple = ()  # indices
     panel: str = ""  # how a panel begins: on or off; empty: with the default
     owner: str = ""
 
@@ -479,7 +481,7 @@ class Declarations:
     @staticmethod
     def apply(setting, tags, enums, entries):
         fail = lambda why: setting.fail(setting.at, why)  # noqa: E731
-        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset", "rest", "names", "words", "colour"}
+        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset", "rest", "flat", "names", "words", "colour"}
         for tag in set(tags) - known:
             fail(f"@{tag} is not understood; there are {', '.join(sorted(known))}")
         word, _, keyword = tags.get("word", setting.word).partition(",")
@@ -500,6 +502,8 @@ class Declarations:
             setting.names = [tuple(part.strip() for part in name.split("=")) for name in tags["names"].split(";")]
         setting.rest = float(tags["rest"].replace("same", "inf")) if "rest" in tags else setting.rest
         setting.columns = [part.strip() for part in tags["columns"].split(",")] if "columns" in tags else setting.columns
+        if "flat" in tags:
+            setting.flat = tuple(setting.columns.index(part.strip()) for part in tags["flat"].split(","))
         if "range" in tags:
             try:
                 setting.range = parse_range(tags["range"])
@@ -581,7 +585,7 @@ class Declarations:
 def inherit(setting, base, tags):
     """A setter that a subclass declares again says what differs."""
     setting.name = base.name
-    for field in ("text", "word", "keyword", "off", "off_text", "group", "title", "unit", "range", "choices", "columns", "when", "files", "advanced", "panel", "unset", "rest", "names", "colour", "clear"):
+    for field in ("text", "word", "keyword", "off", "off_text", "group", "title", "unit", "range", "choices", "columns", "when", "files", "advanced", "panel", "unset", "rest", "flat", "names", "colour", "clear"):
         if not getattr(setting, field) or (field == "range" and "range" not in tags):
             setattr(setting, field, getattr(base, field))
     if base.kind in ("choice", "file"):

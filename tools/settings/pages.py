@@ -38,7 +38,7 @@ def limits(setting):
 def default(setting):
     if setting.kind == "list":
         return "none"
-    if setting.choices:
+    if setting.kind == "choice":
         word = next(choice.word for choice in setting.choices if choice.value == setting.default)
         return word + (f"; {setting.panel} in a panel" if setting.panel else "")
     if setting.kind == "switch":

@@ -6,7 +6,7 @@ import textwrap
 
 HEAD = '''"""Made from the headers of the classes: their settings, by class, as _settings.py takes them:
 keyword, setter, kind, types, default, words, columns, word of a command, hint of its type, docstring, what it counts with
-(keyword of the other setting, its values, and how people say so), and the last number of a vector where it is left out. WITHOUT: keywords of bases that make no sense for a class."""
+(keyword of the other setting, its values, and how people say so), the last number of a vector where it is left out, and which of its parts may be. WITHOUT: keywords of bases that make no sense for a class."""
 
 '''
 HINTS = {"whole": "int", "number": "float", "switch": "bool", "choice": "str", "text": "str | None", "file": "Path | None"}
@@ -68,7 +68,7 @@ def write(declarations, path):
             when = (other[0].keyword, tuple(other[1]), other[2]) if other else None
             row = (setting.keyword, setting.setter, "axes" if axes(setting) else setting.kind, setting.types, default(setting), words,
                    tuple(setting.columns), setting.word, hint(setting), lines(setting), when,
-                   "same" if setting.rest == math.inf else setting.rest)
+                   "same" if setting.rest == math.inf else setting.rest, setting.flat)
             text += f"        {row!r},\n"
         text += "    ),\n"
     text += "}\n\nWITHOUT = {\n"

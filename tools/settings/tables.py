@@ -101,7 +101,7 @@ def entry(declarations, name, setting):
     values = f"[](vtkObject* object) {{ return numbers({read}); }}" if checked(setting) else "nullptr"
     words = ", ".join(quoted(text) for text in (setting.unit, setting.group, setting.text, standard(setting)))
     return (f"    {{ {quoted(setting.word)}, {quoted(setting.off)}, {quoted(setting.off_text)}, Kind::{kind}, {{ {', '.join('Type::' + t.capitalize() for t in setting.types)} }}, "
-            f"{number(limits.low)}, {number(limits.high)}, {ends}, {'nan' if setting.unset is None else number(setting.unset)}, {'nan' if setting.rest is None else number(setting.rest)}, {{ {choices} }}, {{ {names} }}, {str(setting.colour).lower()}, {{ {parts} }},\n      {words},\n"
+            f"{number(limits.low)}, {number(limits.high)}, {ends}, {'nan' if setting.unset is None else number(setting.unset)}, {'nan' if setting.rest is None else number(setting.rest)}, {{ {', '.join(map(str, setting.flat))} }}, {{ {choices} }}, {{ {names} }}, {str(setting.colour).lower()}, {{ {parts} }},\n      {words},\n"
             f"      {condition(declarations, name, setting)},\n      {values},\n"
             f"      [](vtkObject* object, const std::vector<SettingValue>& values)\n"
             f"      {{\n        const Given given{{ values }};\n        {call(name, setting)};\n      }} }},\n")
@@ -114,7 +114,8 @@ def length(value):
 
 def standard(setting):
     """The default, as it is written in a command; empty where nothing is."""
-    if setting.kind == "list" or setting.default in ("", None):
+    values = setting.default if isinstance(setting.default, list) else [setting.default]
+    if setting.kind == "list" or setting.default in ("", None) or (setting.unset is not None and set(values) == {setting.unset}):
         return ""
     if setting.choices:
         return next(choice.word for choice in setting.choices if choice.value == setting.default)
@@ -127,7 +128,6 @@ def standard(setting):
     for value, name in setting.names:
         if int(value) == setting.default:
             return name
-    values = setting.default if isinstance(setting.default, list) else [setting.default]
     units = [setting.unit or re.sub(r".*\[(.*)\]", r"\1", column) for column in setting.columns or [""]]
     return ",".join(length(float(f"{value:.12g}")) if unit == "m" else plain(value)
                     for value, unit in zip(values, itertools.cycle(units))) if setting.kind in ("whole", "number", "vector") else setting.default

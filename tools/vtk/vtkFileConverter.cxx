@@ -1,6 +1,7 @@
 #include "vtkFileConverter.h"
 
 #include "Attempt.h"
+#include "Settings.h"
 #include "convert/Conversion.h"
 #include "files/GridFile.h"
 #include "session/Session.h"
@@ -15,6 +16,7 @@
 #include "vtkStringArray.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <exception>
@@ -27,7 +29,7 @@ namespace cli = lamella::cli;
 /// The command line that does the same.
 std::string commandOf(const cli::ConversionWords& words)
 {
-  std::vector<std::string> line{ "lamella", "convert", words.raw.picture.file, "-o", words.output };
+  std::vector<std::string> line{ "lamella", "convert", words.raw.file, "-o", words.output };
   const auto add = [&](const char* option, const std::string& value)
   {
     if (!value.empty())
@@ -35,14 +37,16 @@ std::string commandOf(const cli::ConversionWords& words)
   };
   for (const std::string& name : words.arrays)
     add("--array", name);
-  add("--step", words.step);
+  add("--step", words.step ? std::to_string(*words.step) : "");
   add("--type", words.type);
-  add("--range", words.range);
-  add("--pixel-size", words.raw.picture.pixelSize);
-  add("--raw-size", words.raw.picture.rawSize);
+  add("--range", words.range ? fmt::format("{}", fmt::join(*words.range, ",")) : "");
+  const lamella::micrograph::ReadOptions& read = words.raw.read;
+  add("--pixel-size", read.pixelSize ? fmt::format("{}", *read.pixelSize) : "");
+  add("--raw-size", read.rawSize ? fmt::format("{}", fmt::join(*read.rawSize, ",")) : "");
+  add("--raw-bits", read.rawBits ? std::to_string(*read.rawBits) : "");
   add("--raw-type", words.raw.type);
   add("--raw-order", words.raw.order);
-  add("--raw-header", words.raw.picture.rawHeader > 0 ? std::to_string(words.raw.picture.rawHeader) : "");
+  add("--raw-header", read.rawHeader > 0 ? std::to_string(read.rawHeader) : "");
   if (words.lossy)
     line.emplace_back("--lossy");
   return lamella::io::quoteCommand(line);
@@ -68,15 +72,6 @@ vtkFileConverter::vtkFileConverter()
 }
 
 vtkFileConverter::~vtkFileConverter() = default;
-
-void vtkFileConverter::Put(std::string& word, const std::string& value)
-{
-  if (word != value)
-  {
-    word = value;
-    this->Modified();
-  }
-}
 
 void vtkFileConverter::SetInputData(vtkDataObject* data)
 {
@@ -124,14 +119,29 @@ void vtkFileConverter::ClearArrays()
   this->Modified();
 }
 
-void vtkFileConverter::SetRange(double low, double high)
+lamella::cli::ConversionWords vtkFileConverter::GetWords() const
 {
-  this->Put(this->Range, fmt::format("{},{}", low, high));
-}
-
-void vtkFileConverter::ResetRange()
-{
-  this->Put(this->Range, "");
+  cli::ConversionWords words;
+  words.raw.file = this->FileName;
+  words.raw.type = this->RawType;
+  words.raw.order = this->RawOrder;
+  words.raw.read.rawHeader = static_cast<std::uint64_t>(this->RawHeader);
+  if (std::any_of(this->RawSize, this->RawSize + 3, [](int n) { return n != 0; }))
+    words.raw.read.rawSize = { this->RawSize[0], this->RawSize[1], this->RawSize[2] };
+  if (this->RawBits != 0)
+    words.raw.read.rawBits = this->RawBits;
+  if (this->PixelSize != 0)
+    words.raw.read.pixelSize = this->PixelSize;
+  words.output = this->OutputFileName;
+  words.arrays = this->Arrays;
+  if (this->Step != -1)
+    words.step = this->Step;
+  words.type = this->NumberType;
+  if (this->Range[0] != 0 || this->Range[1] != 0)
+    words.range = { this->Range[0], this->Range[1] };
+  words.lossy = this->Lossy;
+  words.overwrite = this->Overwrite;
+  return words;
 }
 
 void vtkFileConverter::Update()
@@ -166,6 +176,7 @@ void vtkFileConverter::Update()
 
 void vtkFileConverter::Convert()
 {
+  lamella::checkSettings(this);
   cli::Session session(
     [this](double share, const std::string& what)
     {
@@ -175,21 +186,7 @@ void vtkFileConverter::Convert()
         throw lamella::Cancelled();
       return true;
     });
-  cli::ConversionWords words;
-  words.raw.picture.file = this->FileName;
-  words.raw.type = this->RawType;
-  words.raw.order = this->RawOrder;
-  words.raw.picture.rawHeader = static_cast<std::uint64_t>(this->RawHeader);
-  if (std::any_of(this->RawSize, this->RawSize + 3, [](int n) { return n != 0; }))
-    words.raw.picture.rawSize = fmt::format("{},{},{}", this->RawSize[0], this->RawSize[1], this->RawSize[2]);
-  words.raw.picture.pixelSize = this->PixelSize != 0 ? fmt::format("{}", this->PixelSize) : "";
-  words.output = this->OutputFileName;
-  words.arrays = this->Arrays;
-  words.step = this->Step != -1 ? std::to_string(this->Step) : "";
-  words.type = this->NumberType;
-  words.range = this->Range;
-  words.lossy = this->Lossy;
-  words.overwrite = this->Overwrite;
+  cli::ConversionWords words = this->GetWords();
   if (this->Input == nullptr && this->FileName.empty())
     throw lamella::ParameterError("there is nothing to read", "name a file, or give data");
   std::vector<double> times;
@@ -205,7 +202,7 @@ void vtkFileConverter::Convert()
   else
   {
     if (this->Input != nullptr)
-      words.raw.picture.file = "the data";
+      words.raw.file = "the data";
     const std::string command = this->Input == nullptr ? commandOf(words) : this->GetClassName();
     const cli::Converted converted = cli::convert(session, words, command, this->Input);
     append(this->Files, converted.report["files"].get<std::vector<std::string>>());
@@ -219,16 +216,5 @@ void vtkFileConverter::Convert()
 void vtkFileConverter::PrintSelf(ostream& os, vtkIndent indent)
 {
   this->Superclass::PrintSelf(os, indent);
-  os << indent << "FileName: " << this->FileName << '\n'
-     << indent << "OutputFileName: " << this->OutputFileName << '\n'
-     << indent << "NumberType: " << this->NumberType << '\n'
-     << indent << "Range: " << this->Range << '\n'
-     << indent << "Step: " << this->Step << '\n'
-     << indent << "Lossy: " << this->Lossy << '\n'
-     << indent << "Overwrite: " << this->Overwrite << '\n'
-     << indent << "PixelSize: " << this->PixelSize << '\n'
-     << indent << "RawSize: " << this->RawSize[0] << ' ' << this->RawSize[1] << ' ' << this->RawSize[2] << '\n'
-     << indent << "RawType: " << this->RawType << '\n'
-     << indent << "RawOrder: " << this->RawOrder << '\n'
-     << indent << "RawHeader: " << this->RawHeader << '\n';
+  lamella::printSettings(this, os, indent);
 }

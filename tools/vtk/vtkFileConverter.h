@@ -18,7 +18,8 @@
 
 #include "vtkAlgorithm.h"
 #include "vtkLamellaConvertModule.h" // for export macro
-#include "vtkSmartPointer.h"         // for data
+#include "vtkSetting.h"
+#include "vtkSmartPointer.h" // for data
 
 #include <string> // for words
 #include <vector> // for words
@@ -27,6 +28,13 @@ class vtkDataObject;
 class vtkDoubleArray;
 class vtkStringArray;
 
+#ifndef __VTK_WRAP__
+namespace lamella::cli
+{
+struct ConversionWords;
+}
+#endif
+
 class VTKLAMELLACONVERT_EXPORT vtkFileConverter : public vtkAlgorithm
 {
 public:
@@ -34,14 +42,12 @@ public:
   vtkTypeMacro(vtkFileConverter, vtkAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
-  ///@{
   /**
-   * What is read: a file, a folder or pattern of slices, a .pvd, or a pattern of steps.
+   * What is read: a file, a folder or pattern of slices (slice_%04d.png), a .pvd, or a pattern of steps (step_*.vti).
+   * @files Files (*)
    * @word file, source
    */
-  void SetFileName(const std::string& name) { this->Put(this->FileName, name); }
-  const std::string& GetFileName() const { return this->FileName; }
-  ///@}
+  vtkSettingMacro(FileName, std::string);
 
   ///@{
   /** Data instead of a file: an image, poly data, an unstructured grid or a table. Shared, not changed. */
@@ -49,76 +55,82 @@ public:
   vtkDataObject* GetInputData();
   ///@}
 
-  ///@{
   /**
    * What is written; the ending tells the format. A pattern for slices or steps. None: the output holds the data.
+   * @files Files (*)
    * @word output, path
    */
-  void SetOutputFileName(const std::string& name) { this->Put(this->OutputFileName, name); }
-  const std::string& GetOutputFileName() const { return this->OutputFileName; }
-  ///@}
+  vtkSettingMacro(OutputFileName, std::string);
 
   ///@{
-  /** Arrays to keep. None: all. */
+  /**
+   * Keep this array; of several one each. None: all.
+   * @group Values
+   * @columns Array
+   */
   void AddArray(const std::string& name);
   void ClearArrays();
   ///@}
 
-  ///@{
-  /** Of a series: the step, counted from 0. -1: all. */
-  vtkSetMacro(Step, int);
-  vtkGetMacro(Step, int);
-  ///@}
-
-  ///@{
   /**
-   * u8, i8, u16, i16, u32, i32, u64, i64, f32 or f64. None: as the numbers are.
-   * @word type
+   * Of a series: this step alone, counted from 0. Not given (-1): all.
+   * @group Values
+   * @range [0, inf)
+   * @unset -1
    */
-  void SetNumberType(const std::string& type) { this->Put(this->NumberType, type); }
-  const std::string& GetNumberType() const { return this->NumberType; }
-  ///@}
+  vtkSettingMacro(Step, int);
 
-  ///@{
-  /** Values that become the least and the largest grey, low < high. None: values stay. */
-  void SetRange(double low, double high);
-  void ResetRange();
-  ///@}
+  /**
+   * Write numbers of this type. Empty: as they are.
+   * @word type
+   * @group Values
+   * @words u8 i8 u16 i16 u32 i32 u64 i64 f32 f64
+   */
+  vtkSettingMacro(NumberType, std::string);
 
-  ///@{
-  /** Go on where something is lost. */
-  vtkSetMacro(Lossy, bool);
-  vtkGetMacro(Lossy, bool);
-  vtkBooleanMacro(Lossy, bool);
-  ///@}
+  /**
+   * These values become the least and the largest grey of u8, or of u16. Not given (0): values stay.
+   * @group Values
+   * @columns low, high
+   * @unset 0
+   */
+  vtkSettingVector2Macro(Range, double);
 
-  ///@{
+  /**
+   * Go on where something is lost: nearest values of another type, cells in a table, gaps in a series, transparency.
+   * @group Values
+   */
+  vtkSwitchMacro(Lossy);
+
   /** Replace files that exist. */
-  vtkSetMacro(Overwrite, bool);
-  vtkGetMacro(Overwrite, bool);
-  vtkBooleanMacro(Overwrite, bool);
-  ///@}
+  vtkSwitchMacro(Overwrite);
 
   ///@{
-  /** Edge of a pixel [m]. 0: what the file says. */
-  vtkSetMacro(PixelSize, double);
-  vtkGetMacro(PixelSize, double);
+  /** As vtkPictureReader. */
+  vtkSettingMacro(PixelSize, double);
+  vtkSettingVector3Macro(RawSize, int);
+  vtkSettingMacro(RawBits, int);
+  vtkSettingMacro(RawHeader, vtkIdType);
   ///@}
 
-  ///@{
-  /** Of a raw volume: voxels along x, y, z. 0: what its name or its notes say. */
-  vtkSetVector3Macro(RawSize, int);
-  vtkGetVector3Macro(RawSize, int);
-  /** Of a raw volume: type of its numbers, as of NumberType. None: what its name or its notes say. */
-  void SetRawType(const std::string& type) { this->Put(this->RawType, type); }
-  const std::string& GetRawType() const { return this->RawType; }
-  /** Of a raw volume: little or big, the order of bytes. None: what its name or its notes say. */
-  void SetRawOrder(const std::string& order) { this->Put(this->RawOrder, order); }
-  const std::string& GetRawOrder() const { return this->RawOrder; }
-  /** Of a raw volume: bytes before the first voxel. */
-  vtkSetClampMacro(RawHeader, vtkIdType, 0, VTK_ID_MAX);
-  vtkGetMacro(RawHeader, vtkIdType);
-  ///@}
+  /**
+   * Raw volumes: type of the numbers. Empty: from the name or the notes beside it.
+   * @group Raw volumes
+   * @words u8 i8 u16 i16 u32 i32 u64 i64 f32 f64
+   */
+  vtkSettingMacro(RawType, std::string);
+
+  /**
+   * Raw volumes: order of the bytes. Empty: little.
+   * @group Raw volumes
+   * @words little big
+   */
+  vtkSettingMacro(RawOrder, std::string);
+
+#ifndef __VTK_WRAP__
+  /** The settings, as lamella::cli::convert() takes them. */
+  lamella::cli::ConversionWords GetWords() const;
+#endif
 
   using vtkAlgorithm::Update;
   void Update() override;
@@ -142,13 +154,12 @@ private:
   vtkFileConverter(const vtkFileConverter&) = delete;
   void operator=(const vtkFileConverter&) = delete;
 
-  void Put(std::string& word, const std::string& value);
   void Convert();
 
   std::string FileName;
   std::string OutputFileName;
   std::string NumberType;
-  std::string Range;
+  double Range[2] = { 0, 0 };
   std::string RawType;
   std::string RawOrder;
   std::vector<std::string> Arrays;
@@ -157,6 +168,7 @@ private:
   bool Overwrite = false;
   double PixelSize = 0;
   int RawSize[3] = { 0, 0, 0 };
+  int RawBits = 0;
   vtkIdType RawHeader = 0;
   int NumberOfSteps = 0;
   vtkSmartPointer<vtkDataObject> Input;

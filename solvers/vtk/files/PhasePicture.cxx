@@ -227,6 +227,32 @@ std::optional<PhasePicture> phasesOfImage(
   return found;
 }
 
+/// What of the options contradicts each other in a picture or volume of this size.
+void requireOneWord(const PictureOptions& options, const Lattice& whole)
+{
+  if (!options.segment)
+    return;
+  if (whole.dimension == 2 && !options.greys.empty())
+  {
+    throw ParameterError("segmentation and phases contradict each other",
+      "name no phases: those of a segmented scan are 'lumen' and 'wall'");
+  }
+  micrograph::SegmentOptions ofPicture = *options.segment;
+  ofPicture.lumen = micrograph::LumenSide::Auto;
+  ofPicture.threshold.reset();
+  if (whole.dimension == 3 && ofPicture != micrograph::SegmentOptions())
+  {
+    throw ParameterError("this is a volume, and what was said of scans is for pictures",
+      "leave it out: of a volume, lumen and threshold alone count");
+  }
+  if (whole.dimension == 3 && !options.greys.empty() && !(*options.segment == ofPicture))
+  {
+    throw ParameterError(
+      std::string(options.segment->threshold ? "threshold" : "lumen") + " and phases contradict each other",
+      "in a volume the ranges of greys say both: ..89 is void and 90.. is fibre, or ..otsu and otsu..");
+  }
+}
+
 void segmentVolume(PhasePicture& result, micrograph::Picture picture, const PictureOptions& options)
 {
   micrograph::VolumeOptions how;
@@ -243,11 +269,6 @@ void segmentVolume(PhasePicture& result, micrograph::Picture picture, const Pict
 /// The whole scan, for the light and the threshold; the window is cut afterwards.
 void segmentPicture(PhasePicture& result, const micrograph::Picture& picture, const PictureOptions& options)
 {
-  if (!options.greys.empty())
-  {
-    throw ParameterError("phases are named for a scan that is to be segmented",
-      "name none: the phases of a segmented scan are 'lumen' and 'wall'");
-  }
   micrograph::SegmentOptions how = *options.segment;
   how.judged = options.window;
   micrograph::Segmentation found = micrograph::segment(picture, how);
@@ -284,12 +305,18 @@ void nameGreys(PhasePicture& result, const PictureFile& file, bool ofImage, cons
 PhasePicture namedPhases(const fs::path& path, const PictureOptions& options)
 {
   micrograph::ReadOptions read = options.read;
+  read.sizeKnown = [&options](const Lattice& whole)
+  {
+    requireOneWord(options, whole);
+    if (options.read.sizeKnown)
+      options.read.sizeKnown(whole);
+  };
   read.keepColour = read.keepColour || options.segment;
   // A picture is segmented whole, for its light; of a volume, whose corners may be empty, only the window is looked at.
   if (!options.segment || (options.window && options.window->size[2] != 0))
     read.window = options.window;
   vtkSmartPointer<vtkImageData> image = options.data;
-  if (image != nullptr && read.sizeKnown)
+  if (image != nullptr)
     read.sizeKnown(latticeOf(image));
   else if (image == nullptr && isVti(path))
     image = readVti(path, read);

@@ -41,16 +41,21 @@ public:
   ///@}
 
   /**
-   * Length of the table's unit in metres: 1e-3 for a table in millimetres.
+   * Length of a table's unit in metres, as 1e-3 for millimetres.
+   * @word unit
+   * @group Table
    * @unit m
    * @range (0, inf)
    */
   vtkSettingMacro(LengthUnit, double);
 
   /**
-   * Tables: edges of the box in metres, from the origin; two-dimensional packings use the first two. All 0: the box
-   * that just holds the grains, which are moved so that it begins at the origin.
+   * Edges of a table's box in metres, from the origin, two of disks. All 0: the box that just holds the grains, which
+   * are moved so that it begins at the origin.
+   * @word box
+   * @group Table
    * @columns x [m], y [m], z [m]
+   * @rest 0
    * @range [0, inf)
    */
   vtkSettingVector3Macro(BoxSize, double);

@@ -3,6 +3,7 @@
 #include "Attempt.h"
 #include "Listed.h"
 #include "PhasePicture.h"
+#include "Settings.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -69,19 +70,29 @@ int vtkPictureReader::GetNumberOfPhases()
   return static_cast<int>(this->PhaseOfGreys.size());
 }
 
-lamella::PictureOptions vtkPictureReader::Options() const
+lamella::PictureOptions vtkPictureReader::GetOptions() const
 {
   lamella::PictureOptions options;
+  const auto given = [](auto value) { return value >= 0 ? std::optional(value) : std::nullopt; };
   for (const auto& [greys, name] : this->PhaseOfGreys)
     options.greys.add(greys, name);
   if (this->OtherPhase != nullptr && *this->OtherPhase != '\0')
     options.greys.other = this->OtherPhase;
   if (this->Segment)
   {
-    options.segment.emplace();
-    options.segment->lumen = static_cast<lamella::micrograph::LumenSide>(this->Lumen);
-    if (this->Threshold >= 0)
-      options.segment->threshold = this->Threshold;
+    lamella::micrograph::SegmentOptions& scan = options.segment.emplace();
+    scan.lumen = static_cast<lamella::micrograph::LumenSide>(this->Lumen);
+    scan.channel = static_cast<lamella::micrograph::Channel>(this->Channel);
+    scan.graphics = !this->KeepGraphics;
+    scan.background = given(this->Background);
+    scan.smoothing = given(this->Smoothing);
+    scan.threshold = given(this->Threshold);
+    scan.smallestLumen = given(std::int64_t(this->SmallestLumen));
+    scan.smallestWall = given(std::int64_t(this->SmallestWall));
+    scan.opening = given(this->Opening);
+    scan.rim = given(this->Rim);
+    scan.raySlenderness = this->RaySlenderness;
+    scan.grow = this->Grow;
   }
   if (std::any_of(this->Window, this->Window + 6, [](int value) { return value != 0; }))
   {
@@ -106,7 +117,7 @@ lamella::PictureOptions vtkPictureReader::Options() const
 
 void vtkPictureReader::Load()
 {
-  const lamella::PictureOptions options = this->Options();
+  const lamella::PictureOptions options = this->GetOptions();
   lamella::PhasePicture picture = lamella::readPhases(this->FileName, options);
   this->Image = lamella::toImageData(std::move(picture.image));
   lamella::setFieldText(this->Image, "pixel_size_source", picture.pixelSizeSource);
@@ -116,17 +127,11 @@ void vtkPictureReader::Load()
   for (const std::string& warning : picture.warnings)
     vtkWarningMacro(<< warning);
 
-  nlohmann::json parameters{ { "refinement", this->Refinement } };
-  if (this->Segment)
-    parameters["segment"] = true;
+  nlohmann::json parameters = lamella::settingsAsJson(this);
   for (const auto& [greys, name] : this->PhaseOfGreys)
     parameters["phases"][greys] = name;
   if (options.greys.other)
     parameters["other"] = *options.greys.other;
-  if (options.window)
-    parameters["window"] = this->Window;
-  if (options.read.pixelSize)
-    parameters["pixel_size"] = this->PixelSize;
   lamella::beginProvenance(this->Image, "picture", parameters, {}, this->FileName);
   if (picture.file != nullptr && !options.segment)
   {

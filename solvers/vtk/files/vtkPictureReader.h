@@ -54,14 +54,14 @@ public:
 
   ///@{
   /**
-   * Which grey values are which phase, one a row: a grey (0 to 255, of 16-bit pictures to 65535) or a range with both
-   * ends in it (0..89, ..89, 90..), and a name such as wall or lumen. ..otsu and otsu.. part the greys where the
-   * picture says, ..otsu1, otsu1..otsu2 and otsu2.. into three. Several greys may have one name. Empty: what a file
-   * that lamella wrote calls them, else every grey is a phase of its own; of a volume to be segmented, void and solid.
+   * These grey values are this phase: one (0 to 255, of 16-bit pictures to 65535), or a range with both ends in it, as
+   * 90..255, 90.. or ..89; ..otsu and otsu.. part the greys where the picture says, ..otsu1, otsu1..otsu2 and otsu2..
+   * into three. Several greys may have one name. None: what a file that lamella wrote calls them, else every grey is a
+   * phase of its own (a command asks); of a volume to be segmented, void and solid.
    * @word phase, phases
    * @title Phases: grey values, name
    * @group Phases
-   * @columns Grey values, Phase
+   * @columns Grey, Name
    */
   void SetPhase(const char* greys, const char* name);
   void SetPhase(int grey, const char* name);
@@ -71,7 +71,7 @@ public:
 
   ///@{
   /**
-   * Phase of all greys that are not listed. Empty: such a grey is an error once a phase is named.
+   * All grey values that are not listed are this phase. Empty: such a grey is an error once a phase is named.
    * @word other
    * @group Phases
    */
@@ -80,8 +80,8 @@ public:
   ///@}
 
   /**
-   * A raw scan: find the phases lumen and wall in a picture (list no phases then), void and solid, or the phases
-   * listed, in a volume.
+   * A raw scan, not labels: find the phases lumen and wall in a picture (name no phases then), void and solid, or the
+   * phases named, in a volume.
    *
    * By micrograph::segment and segmentVolume; field data `segmentation` says how, a line a step.
    * @group Phases
@@ -95,8 +95,8 @@ public:
     DARK = 2        ///< "Darker than walls, or solid"
   };
   /**
-   * Segment: whether lumens are brighter or darker than walls, in volumes the void than the solid, which is taken for
-   * dark where nothing is said.
+   * Of a scan: whether lumens are brighter or darker than walls, in volumes the void than the solid, where auto is
+   * dark.
    * @group Phases
    * @choice LumenSides
    * @when Segment
@@ -104,21 +104,133 @@ public:
   vtkSettingMacro(Lumen, int);
 
   /**
-   * Segment: grey value between the two once the light is even, in pictures 0 to 255, in volumes as in the file.
-   * Negative: found.
+   * Of a scan: grey value between the two once the light is even, in pictures 0 to 255, in volumes as in the file.
+   * Not given (-1): found.
    * @group Phases
+   * @range (0, 65535)
+   * @unset -1
    * @when Segment
    * @advanced
    */
   vtkSettingMacro(Threshold, double);
 
+  enum Channels
+  {
+    AUTO_CHANNEL = 0, ///< "Found from the picture"
+    GREY = 1,
+    RED = 2,
+    GREEN = 3,
+    BLUE = 4,
+    STAIN = 5
+  };
+  /**
+   * Of a coloured scan: where to look; stain: the mixture that separates best.
+   * @group Scan
+   * @choice Channels
+   * @when Segment
+   * @advanced
+   */
+  vtkSettingMacro(Channel, int);
+
+  /**
+   * Of a scan: scale over which the stain may vary. 0: no flattening. Not given (-1): found.
+   * @group Scan
+   * @unit pixels
+   * @range [0, inf)
+   * @unset -1
+   * @when Segment
+   * @advanced
+   */
+  vtkSettingMacro(Background, double);
+
+  /**
+   * Of a scan: Gaussian before the threshold. 0: none. Not given (-1): found.
+   * @group Scan
+   * @unit pixels
+   * @range [0, inf)
+   * @unset -1
+   * @when Segment
+   * @advanced
+   */
+  vtkSettingMacro(Smoothing, double);
+
+  /**
+   * Of a scan: specks of lumen of fewer pixels become wall. Not given (-1): found.
+   * @group Scan
+   * @range [0, inf)
+   * @unset -1
+   * @when Segment
+   * @advanced
+   */
+  vtkSettingMacro(SmallestLumen, vtkIdType);
+
+  /**
+   * Of a scan: specks of wall in lumens of fewer pixels become lumen. Not given (-1): found.
+   * @group Scan
+   * @range [0, inf)
+   * @unset -1
+   * @when Segment
+   * @advanced
+   */
+  vtkSettingMacro(SmallestWall, vtkIdType);
+
+  /**
+   * Of a scan: radius of the disk that closes necks between lumens. 0: none. Not given (-1): found.
+   * @group Scan
+   * @unit pixels
+   * @range [0, inf)
+   * @unset -1
+   * @when Segment
+   * @advanced
+   */
+  vtkSettingMacro(Opening, double);
+
+  /**
+   * Of a scan: how far outlines move outwards, onto a dark rim. 0: not at all. Not given (-1): found.
+   * @group Scan
+   * @unit pixels
+   * @range [0, inf)
+   * @unset -1
+   * @when Segment
+   * @advanced
+   */
+  vtkSettingMacro(Rim, double);
+
+  /**
+   * Of a scan: gaps in rays so many times longer than wide become wall. 0: none.
+   * @group Scan
+   * @range [0, inf)
+   * @when Segment
+   * @advanced
+   */
+  vtkSettingMacro(RaySlenderness, double);
+
+  /**
+   * Of a scan: outlines move outwards by so much besides; inwards if negative.
+   * @group Scan
+   * @unit pixels
+   * @when Segment
+   * @advanced
+   */
+  vtkSettingMacro(Grow, double);
+
+  /**
+   * Of a scan: margins, scale bars and text are not painted over.
+   * @group Scan
+   * @when Segment
+   * @advanced
+   */
+  vtkSwitchMacro(KeepGraphics);
+
   ///@{
   /**
-   * Box to cut out: x, y, z of its first pixel and its width, height, depth. In a picture y counts from the top row,
-   * in a volume every axis counts from the first voxel in the file; z and depth are not used for a picture. All three
-   * sizes 0: everything.
+   * Use this part only: its first pixel and its size. In a picture y counts from the top row, in a volume every axis
+   * counts from the first voxel in the file; z and depth are not used for a picture, and of polygons (micrograph) it is
+   * in the file's coordinates from the lower left. Not given (all 0): everything.
    * @group Lattice
    * @columns x, y, z, width, height, depth
+   * @flat z, depth
+   * @unset 0
    */
   vtkSetVector6Macro(Window, int);
   vtkGetVector6Macro(Window, int);
@@ -133,18 +245,21 @@ public:
   vtkSettingMacro(Refinement, int);
 
   /**
-   * Size of a pixel in metres, for instance 5e-7. 0: what the file says, and 1 where it says nothing.
+   * Edge of a pixel in metres, as 5e-7 (or 0.5um in a command); wins over what the file says. Not given (0): what the
+   * file says, and 1 where it says nothing.
    * @group Lattice
    * @unit m
-   * @range [0.0, inf)
+   * @range (0, inf)
+   * @unset 0
    */
   vtkSettingMacro(PixelSize, double);
 
   /**
-   * Raw volumes: voxels along x, y and z. All 0: from a name such as berea_200x200x200_u8.raw.
+   * Raw volumes: voxels along x, y and z. Not given (0): from a name such as berea_200x200x200_u8.raw.
    * @group Raw volumes
-   * @columns x, y, z
-   * @range [0, inf)
+   * @columns nx, ny, nz
+   * @range [1, inf)
+   * @unset 0
    * @advanced
    */
   vtkSettingVector3Macro(RawSize, int);
@@ -167,7 +282,8 @@ public:
 
   ///@{
   /**
-   * VTK image files: the array to read. Empty: "phase", else the first array of whole numbers.
+   * VTK image files: the array of whole numbers, at points or in cells, to take for grey values. Empty: phase, else
+   * the first one.
    * @word array
    * @group VTK image files
    * @advanced
@@ -175,6 +291,11 @@ public:
   vtkSetStringMacro(ArrayName);
   vtkGetStringMacro(ArrayName);
   ///@}
+
+#ifndef __VTK_WRAP__
+  /** All of them but the file's name, as readPhases() takes them. */
+  lamella::PictureOptions GetOptions() const;
+#endif
 
 protected:
   vtkPictureReader();
@@ -189,7 +310,6 @@ private:
 
   /** Reads the file unless it has been read with these settings. */
   bool Read();
-  lamella::PictureOptions Options() const;
   void Load();
 
   char* FileName = nullptr;
@@ -199,6 +319,16 @@ private:
   bool Segment = false;
   int Lumen = AUTO_LUMEN;
   double Threshold = -1;
+  int Channel = AUTO_CHANNEL;
+  double Background = -1;
+  double Smoothing = -1;
+  vtkIdType SmallestLumen = -1;
+  vtkIdType SmallestWall = -1;
+  double Opening = -1;
+  double Rim = -1;
+  double RaySlenderness = 3;
+  double Grow = 0;
+  bool KeepGraphics = false;
   int Window[6] = { 0, 0, 0, 0, 0, 0 };
   int Refinement = 1;
   double PixelSize = 0;

@@ -56,7 +56,8 @@ public:
   vtkSettingMacro(Basis, int);
 
   /**
-   * Level: the value between lumens and walls; of unsigned numbers of 8 and 16 bits as a part of the largest one.
+   * Level: outlines where numbers that vary smoothly pass this value, between lumens' and walls'; unsigned numbers of 8
+   * and 16 bits count as parts of the largest one.
    * @group Lumens
    * @when Basis LEVEL
    */

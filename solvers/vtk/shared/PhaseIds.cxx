@@ -260,7 +260,8 @@ std::uint8_t findVoid(const PhaseIds& phases, const std::string& wanted, const s
   for (std::size_t id = 0; found == names.size() && id < names.size(); ++id)
     found = std::to_string(phases.values[id]) == wanted ? id : found;
   if (found == names.size())
-    throw ParameterError("'" + wanted + "' is no phase of this image", "choose one of its phases: " + there);
+    throw ParameterError("'" + wanted + "' is no phase of this image",
+      suggestion(wanted, names, "its phases are " + quotedList(names, "and")));
   return static_cast<std::uint8_t>(found);
 }
 

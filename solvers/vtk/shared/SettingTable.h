@@ -55,6 +55,7 @@ struct Setting
   bool highOpen;
   double unset;                       ///< out of the range, and stands for a number that is not given; NaN: none does
   double rest;                        ///< of a vector: its last number where it is left out; NaN: it may not be
+  std::vector<std::size_t> flat;      ///< of a vector: those of its numbers that are 0 where all of them are left out
   std::vector<SettingChoice> choices; ///< what it can be; empty: every number in the range
   std::vector<SettingChoice> names;   ///< words for some of its numbers
   bool colour;                        ///< its last three numbers are one, and written as such

@@ -14,7 +14,7 @@ from ._arrays import told
 from ._errors import LamellaError, run
 from ._samples import Sample
 from ._settings import Settings, declared
-from ._types import Array, ArrayLike, OnStep, Path, Progress, Sequence
+from ._types import Array, ArrayLike, OnStep, Path, Progress
 from .vtkLamellaSolversVTK import vtkGrainPacking, vtkMatrixBridges, vtkPackingReader
 
 
@@ -164,21 +164,15 @@ def packings(settings: Settings, progress: Progress | None = None, on_step: OnSt
     return [Packing(source.GetStateGrains(i), source.GetStateContacts(i)) for i in range(source.GetNumberOfStates())]
 
 
-def read_packing(path: Path, unit: float = 1.0, box: Sequence[float] | None = None) -> Packing:
+@declared(vtkPackingReader, first=("unit", "box"), without=("file_name",))
+def read_packing(path: Path, settings: Settings) -> Packing:
     """Reads grains.
 
-    path  a table (columns x, z, r of disks or x, y, z, r of spheres), or the .vtp of a Packing
-    unit  length of the table's unit in metres
-    box   edges of the box in metres, two or three; None: that of the grains
+    path            a table (columns x, z, r of disks or x, y, z, r of spheres), or the .vtp of a Packing
     """
     reader = vtkPackingReader()
     reader.SetFileName(os.fspath(path))
-    reader.SetLengthUnit(unit)
-    if box is not None:
-        edges = [float(edge) for edge in box]
-        if len(edges) not in (2, 3):
-            raise ValueError("a box is (x, y) or (x, y, z)")
-        reader.SetBoxSize(*(edges + [0.0])[:3])
+    settings.give(reader)
     run(reader)
     contacts = reader.GetContacts()
     return Packing(reader.GetOutput(), contacts if contacts.GetNumberOfCells() > 0 else None)

@@ -11,7 +11,7 @@ from vtkmodules.vtkIOXML import vtkXMLImageDataWriter
 
 from . import _arrays, _files
 from ._arrays import told
-from ._errors import LamellaError, choose, collect_warnings, entries, run
+from ._errors import LamellaError, collect_warnings, run
 from ._settings import Settings, declared
 from ._types import Any, Array, ArrayLike, Mapping, Path, Sequence
 from .vtkLamellaSolversVTK import vtkMicrostructureSource, vtkPictureReader, vtkVTKHDFWriter
@@ -109,73 +109,25 @@ def _sample(algorithm):
     return Sample(algorithm.GetOutput())
 
 
-def read_picture(
-    path: Path,
-    phases: Mapping[int | str, str] | None = None,
-    other: str | None = None,
-    window: Sequence[int] | None = None,
-    refine: int = 1,
-    pixel_size: float | None = None,
-    segment: bool = False,
-    lumen: str = "auto",
-    threshold: float | None = None,
-    array: str | None = None,
-    raw_size: Sequence[int] | None = None,
-    raw_bits: int | None = None,
-    raw_header: int = 0,
-) -> Sample:
-    """Reads a picture (PNG, JPEG, TIFF, PGM, PPM, BMP), a volume (TIFF stack, slices, raw, MetaImage, NRRD) or a .vti file.
+@declared(vtkPictureReader, without=("file_name",),
+          first=("phases", "other", "window", "refine", "pixel_size", "segment", "lumen", "threshold", "array", "raw_size", "raw_bits", "raw_header"))
+def read_picture(path: Path, settings: Settings) -> Sample:
+    """Reads a picture (PNG, JPEG, TIFF, PGM, PPM, BMP), a volume (TIFF stack, slices, raw, MetaImage, NRRD, NumPy, NIfTI) or a .vti.
 
-    path        of slices a pattern, such as slice_%03d.png
-    phases      {grey value or range of them: name}: 255, "90..255", "90..", "..89", both ends in it; "..otsu" and "otsu.."
-                part the greys where the picture says, "..otsu1", "otsu1..otsu2" and "otsu2.." into three. None: every grey
-                value is a phase of its own, named by its value
-    other       name for all greys that are not listed; none: such a grey is an error
-    window      (x, y, width, height) in pixels from the top left; of a volume (x, y, z, width, height, depth)
-    refine      splits each pixel into refine x refine nodes
-    pixel_size  metres; wins over what the file says
-    segment     a raw scan: find the phases lumen and wall in a picture; void and solid, or those of phases, in a volume
-    lumen       with segment: "auto", "bright" or "dark" lumens; of a volume the void, and "auto" is dark
-    threshold   with segment: grey between the two once the light is even, of a picture 0 to 255; None: found
-    array       .vti files: which array; the other point arrays come along (with refine only grain and axis)
-    raw_size, raw_bits, raw_header   raw volumes: (nx, ny, nz), 8 or 16, bytes to skip
+    Of a .vti the other point arrays come along (with refine only grain and axis). What is doubtful about the file, or about
+    what segmenting made of it, is a Python warning.
 
-    What is doubtful about the file, or about what segmenting made of it, is a Python warning.
+    path            of slices a pattern, such as slice_%03d.png
     """
     reader = vtkPictureReader()
     reader.SetFileName(os.fspath(path))
-    for grey, name in entries(phases, "phases", "{grey value: name}"):
-        reader.SetPhase(grey if isinstance(grey, str) else str(int(grey)), name)
-    reader.SetOtherPhase(other)
-    if window is not None:
-        window = [int(value) for value in window]
-        if len(window) == 4:
-            x, y, width, height = window
-            window = [x, y, 0, width, height, 0]
-        if len(window) != 6:
-            raise ValueError("a window is (x, y, width, height) or (x, y, z, width, height, depth)")
-        reader.SetWindow(*window)
-        if not any(window):
-            raise LamellaError("the window is empty", "give a width and a height")
-    reader.SetRefinement(refine)
-    if pixel_size is not None:
-        if not pixel_size > 0:
-            raise LamellaError(f"the pixel size is {pixel_size}", "give it in metres, above 0")
-        reader.SetPixelSize(pixel_size)
-    reader.SetSegment(bool(segment))
-    reader.SetLumen(choose({"auto": 0, "bright": 1, "dark": 2}, lumen, "lumen"))
-    if threshold is not None:
-        reader.SetThreshold(threshold)
-    reader.SetArrayName(array)
-    if raw_size is not None:
-        reader.SetRawSize(*raw_size)
-    if raw_bits is not None:
-        reader.SetRawBits(raw_bits)
-    reader.SetRawHeader(raw_header)
+    settings.give(reader)
+    if settings.values.get("window") is not None and not any(reader.GetWindow()):
+        raise LamellaError("the window is empty", "give a width and a height")
     doubts = collect_warnings(reader)
     sample = _sample(reader)
     for doubt in doubts:
-        warnings.warn(doubt, stacklevel=2)
+        warnings.warn(doubt, stacklevel=3)
     return sample
 
 

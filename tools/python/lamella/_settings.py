@@ -15,7 +15,7 @@ from ._declared import BASES, CLASSES, WITHOUT
 from ._errors import ParameterError, entries, last_failure, number
 from .vtkLamellaSolversVTK import vtkSampleAlgorithm
 
-Setting = collections.namedtuple("Setting", "keyword setter kind types default words columns word hint lines when rest")
+Setting = collections.namedtuple("Setting", "keyword setter kind types default words columns word hint lines when rest flat")
 
 
 def pair(name):
@@ -113,6 +113,10 @@ class Settings:
         value = np.ravel(value).tolist() if setting.rest is not None else value
         if setting.rest is not None and len(value) == len(setting.types) - 1:
             value = [*value, value[-1] if setting.rest == "same" else setting.rest]
+        if setting.flat and len(value) == len(setting.types) - len(setting.flat):
+            value = list(value)
+            for place in setting.flat:
+                value.insert(place, 0)
         values = [_whole(part, setting.keyword) if whole else number(part, setting.keyword) for part in value]
         if len(values) != len(setting.types):
             raise ValueError(f"{setting.keyword} has {len(values)} numbers; give {len(setting.types)}"
