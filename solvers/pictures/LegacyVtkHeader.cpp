@@ -99,6 +99,44 @@ bool otherValues(LegacyVtkText& text)
   return false;
 }
 
+/// What stands before the first array's values: their type, and how many a node has.
+std::string typeOfValues(LegacyVtkText& text, RawLayout& layout)
+{
+  std::string type;
+  if (const std::string word = text.word(); word == "SCALARS")
+  {
+    (void)text.word(); // a name
+    type = text.word();
+    layout.components = static_cast<int>(std::clamp(std::strtol(text.line().c_str(), nullptr, 10), 1L, 64L));
+    if (text.word() != "LOOKUP_TABLE")
+      text.refuse("no LOOKUP_TABLE before its values", "save it as .vti");
+    (void)text.line();
+  }
+  else if (word == "COLOR_SCALARS") // as VTK calls unsigned char
+  {
+    (void)text.word();
+    layout.components = static_cast<int>(std::clamp(text.number(), 1.0, 64.0));
+    type = "unsigned_char";
+    (void)text.line();
+  }
+  else if (word == "FIELD")
+  {
+    (void)text.word();
+    if (const double arrays = text.number(); arrays != 1)
+      text.refuse(fmt::format("it holds {} arrays", arrays), "save one of them, or all as .vti");
+    (void)text.word();
+    layout.components = static_cast<int>(std::clamp(text.number(), 1.0, 64.0));
+    (void)text.number();
+    type = text.word();
+    (void)text.line();
+  }
+  else
+  {
+    text.refuse(fmt::format("'{}' in place of SCALARS or FIELD", word), "save it as .vti");
+  }
+  return type;
+}
+
 } // namespace
 
 RawLayout legacyVtkLayout(const std::filesystem::path& path)
@@ -151,38 +189,7 @@ RawLayout legacyVtkLayout(const std::filesystem::path& path)
   layout.axes = layout.size[2] == 1 ? 2 : 3;
   layout.pixelSizeSource = layout.spacing == std::array<double, 3>{ 1, 1, 1 } ? "none" : "VTK SPACING";
 
-  std::string type;
-  if (const std::string word = text.word(); word == "SCALARS")
-  {
-    (void)text.word(); // a name
-    type = text.word();
-    layout.components = static_cast<int>(std::clamp(std::strtol(text.line().c_str(), nullptr, 10), 1L, 64L));
-    if (text.word() != "LOOKUP_TABLE")
-      text.refuse("no LOOKUP_TABLE before its values", "save it as .vti");
-    (void)text.line();
-  }
-  else if (word == "COLOR_SCALARS") // as VTK calls unsigned char
-  {
-    (void)text.word();
-    layout.components = static_cast<int>(std::clamp(text.number(), 1.0, 64.0));
-    type = "unsigned_char";
-    (void)text.line();
-  }
-  else if (word == "FIELD")
-  {
-    (void)text.word();
-    if (const double arrays = text.number(); arrays != 1)
-      text.refuse(fmt::format("it holds {} arrays", arrays), "save one of them, or all as .vti");
-    (void)text.word();
-    layout.components = static_cast<int>(std::clamp(text.number(), 1.0, 64.0));
-    (void)text.number();
-    type = text.word();
-    (void)text.line();
-  }
-  else
-  {
-    text.refuse(fmt::format("'{}' in place of SCALARS or FIELD", word), "save it as .vti");
-  }
+  const std::string type = typeOfValues(text, layout);
   layout.type = legacyVtkType(type, text);
   layout.offset = text.at();
 

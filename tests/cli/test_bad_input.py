@@ -106,7 +106,7 @@ class BadPictures(Case):
         self.solve(3, "size of the raw volume", "the raw size, NX,NY,NZ", name)
         self.fails(3, "has 1000 bytes, but 10 × 10 × 11 voxels", "raw size", "diffusion", name, "--raw-size", "10,10,11", *SOLVE)
         self.fails(2, "raw size '10,10' is not 3 numbers", "NX,NY,NZ", "diffusion", name, "--raw-size", "10,10", *SOLVE)
-        self.fails(2, "raw bits 12 is none of its choices", "0, 8 or 16", "diffusion", name, "--raw-bits", "12", *SOLVE)
+        self.fails(2, "raw bits 12 is none of its choices", "0, 8, 16", "diffusion", name, "--raw-bits", "12", *SOLVE)
 
     def test_not_what_a_command_reads(self):
         self.write("p.png", GOOD)

@@ -142,7 +142,7 @@ class Words(Case):
         self.fails(2, "pixel size -1 is not above 0", "above 0", *known, "--pixel-size=-1")
         self.fails(2, "--phase 'wall' is not GREY=NAME", "GREY=NAME", *known, "--phase", "wall")
         self.fails(2, "'-3' is not a grey value", "0 to 255", *known, "--phase=-3=wall")
-        self.fails(2, "grey value 0 has two names", "one phase", *known, "--phase", "0=wall")
+        self.fails(2, "phase gives '0' two values, lumen and wall", "one value", *known, "--phase", "0=wall")
 
     def test_options_that_contradict_each_other(self):
         self.write("p.png", pictures.png(pictures.stripes(8, 8)))

@@ -288,14 +288,19 @@ void checkNumbers(const Setting& setting, const std::vector<SettingValue>& value
 }
 
 /// Of NAME=VALUE: refuses a second value of a name. @param before what was given of others
-void requireOne(const Setting& setting, std::map<std::string, double>& before, const std::vector<SettingValue>& values)
+void requireOne(
+  const Setting& setting, std::map<std::string, SettingValue>& before, const std::vector<SettingValue>& values)
 {
   const auto& name = std::get<std::string>(values[0]);
-  const double value = std::get<double>(values[1]);
-  if (const auto [entry, added] = before.try_emplace(name, value); !added && entry->second != value)
+  const auto shown = [](const SettingValue& value)
+  {
+    const double* const number = std::get_if<double>(&value);
+    return number != nullptr ? fmt::format("{:g}", *number) : std::get<std::string>(value);
+  };
+  if (const auto [entry, added] = before.try_emplace(name, values[1]); !added && entry->second != values[1])
   {
     throw ParameterError(
-      fmt::format("{} gives '{}' two values, {:g} and {:g}", nameOf(setting), name, entry->second, value),
+      fmt::format("{} gives '{}' two values, {} and {}", nameOf(setting), name, shown(entry->second), shown(values[1])),
       "give every name one value");
   }
 }
@@ -452,14 +457,13 @@ void SettingOptions::give(vtkObject* object) const
     if (option->on || option->off)
       setting->set(object, { option->on ? 1.0 : 0.0 });
     const Setting* const byPhase = ofPhases(own, *setting);
-    std::map<std::string, double> before;
+    std::map<std::string, SettingValue> before;
     for (const std::string& text : written(*setting, option->texts, byPhase != nullptr))
     {
       const std::size_t sign = byPhase != nullptr ? text.find('=') : std::string::npos;
       std::vector<SettingValue> values = valuesOf(*setting, sign == std::string::npos ? text : text.substr(sign + 1));
       checkNumbers(*setting, values);
-      if (setting->kind == SettingKind::List && values.size() == 2 && setting->types[0] == Type::Text &&
-        setting->types[1] != Type::Text)
+      if (setting->kind == SettingKind::List && values.size() == 2 && setting->types[0] == Type::Text)
         requireOne(*setting, before, values);
       if (sign != std::string::npos)
       {
