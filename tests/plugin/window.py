@@ -1,7 +1,7 @@
 """The plugin in the ParaView window itself, under Xvfb: a fracture that runs live, a number changed in its panel, Apply pressed
-again; what ran again, and a picture of the whole window.
+again; what ran again, and a picture of the whole window. Then the menu of filters, with a group open.
 
-window.py XVFB_RUN PARAVIEW SOURCES [PICTURE.png]
+window.py XVFB_RUN PARAVIEW SOURCES [PICTURE.png MENU.png]
 """
 
 import json
@@ -46,12 +46,16 @@ except BaseException:
 """
 PANEL = "pqClientMainWindow/propertiesDock/propertiesPanel"
 FIELD = PANEL + "/scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/PropertiesFrame/ProxyPanel"
+MENU = "pqClientMainWindow/menubar"
 EVENTS = f"""<?xml version="1.0" ?>
 <pqevents>
   <pqevent object="{FIELD}/ComputeStrainEnergy/CheckBox" command="set_boolean" arguments="true" />
   <pqevent object="{PANEL}/Accept" command="activate" arguments="" />
   <pqevent object="{FIELD}/StopShare/DoubleRangeWidget/DoubleLineEdit" command="set_string" arguments="0.5" />
   <pqevent object="{PANEL}/Accept" command="activate" arguments="" />
+  <pqevent object="pqClientMainWindow" command="pause" arguments="8000" />
+  <pqevent object="{MENU}" command="activate" arguments="menuFilters" />
+  <pqevent object="{MENU}/menuFilters" command="activate" arguments="Lamella: Elasticity and Fracture (Peridynamics)" />
 </pqevents>
 """
 
