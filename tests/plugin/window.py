@@ -71,6 +71,11 @@ def screen(path):
     return np.ascontiguousarray(pixels[..., 2::-1] if order == 0 else pixels[..., 1:])
 
 
+def nodes(picture):
+    """Pixels in the blue of the nodes in the icon of the group that is opened: its five entries have more than 50 each."""
+    return (np.abs(picture.astype(int) - (31, 78, 121)).max(axis=2) < 20).sum()
+
+
 def entries(path):
     if not os.path.exists(path):
         return []
@@ -132,6 +137,8 @@ with tempfile.TemporaryDirectory() as folder:
             wait("second Apply", lambda: len(runs(log, "fracture")) == 2, process, 240)
             time.sleep(3)  # for the window to draw it
             picture = screen(inside("screen/Xvfb_screen0"))
+            wait("menu with icons", lambda: nodes(screen(inside("screen/Xvfb_screen0"))) > nodes(picture) + 150, process, 60)
+            menu = screen(inside("screen/Xvfb_screen0"))
         except SystemExit:
             print(entries(log))
             with open(inside("output.txt"), encoding="utf-8") as said:
@@ -158,3 +165,4 @@ with tempfile.TemporaryDirectory() as folder:
     assert grey < 0.97 and colours > 300, "the views are empty"
     if len(sys.argv) > 4:
         image.imsave(sys.argv[4], picture)
+        image.imsave(sys.argv[5], menu)
