@@ -13,8 +13,8 @@
 #include "vtkSMProxy.h"
 #include "vtkSMProxyManager.h"
 
-#include <array>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -100,20 +100,29 @@ private:
     if (vtkSMPropertyHelper(curve, "Visibility").GetAsInt() == 0)
       return;
     bool told = false;
-    const auto label = [&](const char* name)
+    const auto unitOf = [&](const std::string& name)
     {
-      vtkDataArray* const array = ArrayOf(curve, vtkDataObject::ROW, name);
+      vtkDataArray* const array = ArrayOf(curve, vtkDataObject::ROW, name.c_str());
       told = told || (array && !lamella::description(array)[0].empty());
-      return name + InBrackets(array);
+      return InBrackets(array);
     };
     const bool rows = vtkSMPropertyHelper(curve, "UseIndexForXAxis").GetAsInt() != 0;
     const std::string across = rows ? "" : vtkSMPropertyHelper(curve, "XArrayName").GetAsString();
-    const std::string bottom = rows ? "" : label(across.c_str());
+    const std::string bottom = rows ? "" : across + unitOf(across);
     vtkSMPropertyHelper series(curve, "SeriesVisibility");
-    std::string left;
+    std::string names;
+    std::string labels;
+    std::set<std::string> units;
     for (unsigned int i = 0; i + 1 < series.GetNumberOfElements(); i += 2)
-      if (series.GetAsString(i + 1) == std::string_view("1") && series.GetAsString(i) != across)
-        left += (left.empty() ? "" : ", ") + label(series.GetAsString(i));
+    {
+      const std::string name = series.GetAsString(i);
+      if (series.GetAsString(i + 1) != std::string_view("1") || name == across)
+        continue;
+      const std::string unit = *units.insert(unitOf(name)).first;
+      names += (names.empty() ? "" : ", ") + name;
+      labels += (labels.empty() ? "" : ", ") + name + unit;
+    }
+    const std::string left = units.size() == 1 ? names + *units.begin() : labels; // one unit once
     for (unsigned int i = 0; i < curve->GetNumberOfConsumers(); ++i)
     {
       this->SetTitle(curve->GetConsumerProxy(i), "BottomAxisTitle", told ? bottom : "");

@@ -55,7 +55,10 @@ class Labels(unittest.TestCase):
         self.assertEqual((view.BottomAxisTitle, view.LeftAxisTitle), ("strain", "stress (Pa)"))
         curve.SeriesVisibility = ["stress", "1", "critical_stress", "1"]
         pv.Render(view)
-        self.assertEqual(view.LeftAxisTitle, "stress (Pa), critical_stress (Pa)")
+        self.assertEqual(view.LeftAxisTitle, "stress, critical_stress (Pa)")
+        curve.SeriesVisibility = ["stress", "1", "broken", "1"]
+        pv.Render(view)
+        self.assertEqual(view.LeftAxisTitle, "stress (Pa), broken")
         curve.XArrayName = "broken"
         view.LeftAxisTitle = "pull"
         curve.SeriesVisibility = ["stress", "1"]
