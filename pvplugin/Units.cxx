@@ -1,7 +1,7 @@
-// Labels tell units: the titles of colour bars, which ParaView by itself makes of the array's name alone, and of a chart's
-// axes, which it leaves empty. The units are those that the arrays carry (ShownUnit.h), so data of
-// other sources are labelled as before, and so are data of a server, which this process does not have. What somebody
-// wrote stays.
+// Labels tell units: the titles of colour bars, which ParaView by itself makes of the array's name alone, and of a
+// chart's axes, which it leaves empty. The units are those that the arrays carry (ShownUnit.h), so data of other
+// sources are labelled as before, and so are data of a server, which this process does not have. What somebody wrote
+// stays.
 #include "ShownUnit.h"
 
 #include "vtkAlgorithm.h"

@@ -292,6 +292,12 @@ class Panel:
         left = [name for name in left if self.settings[name].group]  # what has none stands above all titles
         if left:
             self.fail(f"{', '.join(left)}: in no group of the panel; their groups are {', '.join({self.settings[n].group for n in left})}")
+        # ParaView shows a group where the first of its properties stands
+        first = list(proxy).index(proxy.find("PropertyGroup"))
+        members = {element.get("name"): element for element in list(proxy)[:first]}
+        for name in [member.get("name") for member in proxy.findall("PropertyGroup/Property")]:
+            proxy.remove(members[name])
+            proxy.insert(first - 1, members[name])
 
     def add_group(self, proxy, label, names, when):
         found = ElementTree.SubElement(proxy, "PropertyGroup", label=label)

@@ -8,8 +8,8 @@
 namespace lamella
 {
 
-/// The unit that describe() gave an array, as labels of pictures have it: "J/m³" for "J/m^3"; empty for a ratio, and where
-/// none is told.
+/// The unit that describe() gave an array, as labels of pictures have it: "J/m³" for "J/m^3"; empty for a ratio, and
+/// where none is told.
 [[nodiscard]] inline std::string shownUnit(vtkDataArray* array)
 {
   std::string unit = description(array)[0];
