@@ -1,8 +1,8 @@
 """Makes ParaView's panel of a class, a server manager XML, of what its header declares and of a small file of what is layout
 only: pvplugin/NAME.xml. Of a base class such a file gives what its subclasses share.
 
-    <Panel class="vtkX" menu="bonds" label="X" short="A line for the menu" long="For the help">      menu: a group of MENUS
-      Text of the help.
+    <Panel class="vtkX" menu="bonds" label="X" short="A line for the menu" long="For the help">
+      Text of the help; menu is a group of MENUS.
       <Input data="vtkImageData" arrays="point 1">What is wanted.</Input>
       <Output>Name of a port</Output>
       <Array name="PhaseArray" index="0" default="phase" of="Scalars" group="Phases">An array of the input to choose.</Array>
@@ -107,7 +107,8 @@ class Panel:
         if menu in MENUS:
             hints = proxy.find("Hints")
             hints = ElementTree.SubElement(proxy, "Hints") if hints is None else hints
-            ElementTree.SubElement(hints, "ShowInMenu", category=MENUS[menu], icon=f":/lamella/{menu}.svg")
+            # menu_label: ParaView 5.13 would make one of the category, with blanks after brackets
+            ElementTree.SubElement(hints, "ShowInMenu", category=MENUS[menu], menu_label=MENUS[menu], icon=f":/lamella/{menu}.svg")
         elif menu:
             self.fail(f"there is no menu {menu}")
 
