@@ -53,12 +53,7 @@ pv.ResetCamera(view)
 
 chart = pv.CreateView("XYChartView")
 layout.AssignView(right, chart)
-curve = pv.Show(pv.OutputPort(torn, 2), chart)
-curve.UseIndexForXAxis = 0
-curve.XArrayName = "strain"
-curve.SeriesVisibility = ["stress"]
-chart.BottomAxisTitle = "strain"
-chart.LeftAxisTitle = "stress [Pa]"
+pv.Show(pv.OutputPort(torn, 2), chart)
 
 pv.SetActiveView(view)
 pv.SetActiveSource(torn)

@@ -5,6 +5,7 @@
 #include "Arrays.h"
 #include "Grains.h"
 #include "Quantity.h"
+#include "ShownUnit.h"
 #include "Surface.h"
 #include "View.h"
 #include "vtkActor.h"
@@ -33,6 +34,18 @@ constexpr Color PlainColor{ 0x44, 0x77, 0xaa, 255 }; // geometry without any arr
 constexpr Color GrainColor{ 0xdc, 0xc0, 0x92, 255 }; // grains behind forces: that of the phase
 constexpr Color EdgeColor{ 0x8a, 0x76, 0x55, 255 };
 constexpr Color ForceColor{ 0x7b, 0x1e, 0x2b, 255 };
+
+/// What the widest bar stands for, to two digits.
+LegendEntry DescribeForces(vtkPolyData* contacts)
+{
+  const double largest = LargestForce(contacts);
+  const double step = std::pow(10.0, std::floor(std::log10(largest)) - 1);
+  int exponent = 0;
+  std::string text = "widest bar: " + TickLabels({ step * std::round(largest / step) }, exponent).front();
+  text += exponent == 0 ? "" : " · 10" + RaisedText(exponent);
+  const std::string unit = shownUnit(contacts->GetPointData()->GetArray("normal_force"));
+  return { text + (unit.empty() ? "" : " " + unit), ForceColor, LegendEntry::Kind::Line, GrainColor };
+}
 
 /// Adds geometry in one colour.
 vtkActor* AddPlain(vtkRenderer* renderer, vtkPolyData* geometry, Color color, double width)
@@ -153,6 +166,8 @@ Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
   const View view(bounds, isFlat ? -90 : options.azimuth, isFlat ? 90 : options.elevation);
 
   Furniture furniture = field ? Describe(*field, options) : Furniture{ options.title, {}, {}, {} };
+  if (forces && options.showLegend && LargestForce(options.overlayLines) > 0)
+    furniture.legend.push_back(DescribeForces(options.overlayLines));
   const Scale scale = FindScale(geometry, 0);
   if (options.showScaleBar && isFlat)
     furniture.scale = scale;

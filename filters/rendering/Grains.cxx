@@ -70,10 +70,8 @@ vtkSmartPointer<vtkPolyData> GrainShapes(vtkPolyData* grains)
   return shapes;
 }
 
-vtkSmartPointer<vtkPolyData> ForceShapes(vtkPolyData* contacts, vtkPolyData* grains)
+double LargestForce(vtkPolyData* contacts)
 {
-  std::array<double, 2> radii{ 0, 0 };
-  grains->GetPointData()->GetArray("radius")->GetRange(radii.data());
   vtkDataArray* const force = contacts->GetPointData()->GetArray("normal_force");
   double largest = 0;
   for (vtkIdType i = 0; force && i < force->GetNumberOfTuples(); ++i)
@@ -81,6 +79,15 @@ vtkSmartPointer<vtkPolyData> ForceShapes(vtkPolyData* contacts, vtkPolyData* gra
     const double value = std::abs(force->GetComponent(i, 0));
     largest = std::isfinite(value) ? std::max(largest, value) : largest;
   }
+  return largest;
+}
+
+vtkSmartPointer<vtkPolyData> ForceShapes(vtkPolyData* contacts, vtkPolyData* grains)
+{
+  std::array<double, 2> radii{ 0, 0 };
+  grains->GetPointData()->GetArray("radius")->GetRange(radii.data());
+  vtkDataArray* const force = contacts->GetPointData()->GetArray("normal_force");
+  const double largest = LargestForce(contacts);
   vtkNew<vtkDoubleArray> width;
   width->SetName("width");
   width->SetNumberOfTuples(contacts->GetNumberOfPoints());

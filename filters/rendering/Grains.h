@@ -18,6 +18,9 @@ namespace lamella::rendering
 /// radius; where there are no forces, all of one width.
 [[nodiscard]] vtkSmartPointer<vtkPolyData> ForceShapes(vtkPolyData* contacts, vtkPolyData* grains);
 
+/// The largest `normal_force`, which the widest bar stands for; 0 where there are none.
+[[nodiscard]] double LargestForce(vtkPolyData* contacts);
+
 /// The edges of the box that the field data tell; null where they tell none.
 [[nodiscard]] vtkSmartPointer<vtkPolyData> BoxEdges(vtkPolyData* grains);
 

@@ -4,11 +4,11 @@
 #include "lattice/AxisNames.h"
 
 #include "Arrays.h"
+#include "ShownUnit.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataSet.h"
 #include "vtkFieldData.h"
-#include "vtkInformation.h"
 #include "vtkPointData.h"
 #include "vtkSnapshot.h"
 #include "vtkStringArray.h"
@@ -422,12 +422,7 @@ void NameQuantity(Quantity& quantity, double mean, const SnapshotOptions& option
   const std::string name = array->GetName();
   quantity.title =
     Capitalised(quantity.preset == vtkSnapshot::SCALAR ? name : name.substr(0, name.size() - DirectionOf(name).size()));
-  vtkInformation* information = array->HasInformation() ? array->GetInformation() : nullptr;
-  if (information && information->Has(vtkDataArray::UNITS_LABEL()))
-  {
-    const char* unit = information->Get(vtkDataArray::UNITS_LABEL());
-    quantity.unit = unit && std::string(unit) != "1" ? unit : "";
-  }
+  quantity.unit = shownUnit(array);
   if (quantity.preset == vtkSnapshot::FLUX && mean > 0)
   {
     quantity.title = "Flux / mean flux";

@@ -34,6 +34,21 @@ class Panels(unittest.TestCase):
         made = {"vtk" + path.stem for path in PANELS.glob("*.xml")}
         self.assertEqual(set(CLASSES) - made, {"vtkSnapshot", "vtkFileConverter"})  # draw, convert: no source or filter
 
+    def test_menus(self):
+        """A source or filter is in a group, whose icon there is. ParaView's search looks for its words in the help, too."""
+        words = {"heat": "heat or vapour", "bonds": "peridynamics", "points": "MPM"}
+        for path in PANELS.glob("*.xml"):
+            root = ElementTree.parse(path).getroot()
+            found = root.find(".//ShowInMenu")
+            with self.subTest(path.stem):
+                if root.find("ProxyGroup").get("name") == "writers":
+                    self.assertIsNone(found)
+                    continue
+                icon = re.fullmatch(r":/lamella/(\w+)\.svg", found.get("icon"))[1]
+                self.assertTrue((SOURCES / f"pvplugin/icons/{icon}.svg").exists())
+                told = root.find(".//Documentation")
+                self.assertRegex(told.text + told.get("long_help"), words.get(icon, "."))
+
     def test_every_setter_is_declared(self):
         for name in CLASSES:
             settings = {setting.setter for kind in DECLARED.chain(name) for setting in kind.settings}  # also those that a class has no use for

@@ -1,7 +1,7 @@
 """The plugin in the ParaView window itself, under Xvfb: a fracture that runs live, a number changed in its panel, Apply pressed
-again; what ran again, and a picture of the whole window.
+again; what ran again, and a picture of the whole window. Then the menu of filters, with a group open.
 
-window.py XVFB_RUN PARAVIEW SOURCES [PICTURE.png]
+window.py XVFB_RUN PARAVIEW SOURCES [PICTURE.png MENU.png]
 """
 
 import json
@@ -46,12 +46,16 @@ except BaseException:
 """
 PANEL = "pqClientMainWindow/propertiesDock/propertiesPanel"
 FIELD = PANEL + "/scrollArea/qt_scrollarea_viewport/scrollAreaWidgetContents/PropertiesFrame/ProxyPanel"
+MENU = "pqClientMainWindow/menubar"
 EVENTS = f"""<?xml version="1.0" ?>
 <pqevents>
   <pqevent object="{FIELD}/ComputeStrainEnergy/CheckBox" command="set_boolean" arguments="true" />
   <pqevent object="{PANEL}/Accept" command="activate" arguments="" />
   <pqevent object="{FIELD}/StopShare/DoubleRangeWidget/DoubleLineEdit" command="set_string" arguments="0.5" />
   <pqevent object="{PANEL}/Accept" command="activate" arguments="" />
+  <pqevent object="pqClientMainWindow" command="pause" arguments="8000" />
+  <pqevent object="{MENU}" command="activate" arguments="menuFilters" />
+  <pqevent object="{MENU}/menuFilters" command="activate" arguments="Lamella: Elasticity and Fracture (Peridynamics)" />
 </pqevents>
 """
 
@@ -65,6 +69,11 @@ def screen(path):
     begin = int(size) + 12 * int(colours)
     pixels = np.frombuffer(raw[begin : begin + int(row) * int(height)], np.uint8).reshape(int(height), -1, 4)[:, : int(width)]
     return np.ascontiguousarray(pixels[..., 2::-1] if order == 0 else pixels[..., 1:])
+
+
+def nodes(picture):
+    """Pixels in the blue of the nodes in the icon of the group that is opened: its five entries have more than 50 each."""
+    return (np.abs(picture.astype(int) - (31, 78, 121)).max(axis=2) < 20).sum()
 
 
 def entries(path):
@@ -128,6 +137,8 @@ with tempfile.TemporaryDirectory() as folder:
             wait("second Apply", lambda: len(runs(log, "fracture")) == 2, process, 240)
             time.sleep(3)  # for the window to draw it
             picture = screen(inside("screen/Xvfb_screen0"))
+            wait("menu with icons", lambda: nodes(screen(inside("screen/Xvfb_screen0"))) > nodes(picture) + 150, process, 60)
+            menu = screen(inside("screen/Xvfb_screen0"))
         except SystemExit:
             print(entries(log))
             with open(inside("output.txt"), encoding="utf-8") as said:
@@ -154,3 +165,4 @@ with tempfile.TemporaryDirectory() as folder:
     assert grey < 0.97 and colours > 300, "the views are empty"
     if len(sys.argv) > 4:
         image.imsave(sys.argv[4], picture)
+        image.imsave(sys.argv[5], menu)

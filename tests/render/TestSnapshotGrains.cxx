@@ -128,6 +128,18 @@ TEST_F(SnapshotGrains, ForcesAreAsWideAsTheyAreLarge)
   EXPECT_NEAR(strong, 2 * weak, 0.05 * strong); // bars have twelve sides, and are seen from any
 }
 
+TEST_F(SnapshotGrains, LegendTellsTheLargestForce)
+{
+  this->Snapshot->SetOverlayLines(forces());
+  this->Snapshot->SetShowLegend(true);
+  vtkImageData* const picture = this->draw(pair());
+  ASSERT_NE(picture, nullptr);
+  const int* const size = picture->GetDimensions();
+  const int below = this->Snapshot->GetDataRectangle()[1]; // the legend's bar lies there
+  ASSERT_GT(below, 0);
+  EXPECT_GT(pixels::shareOf(picture, { 0, 0, size[0], below }, ForceColor), 0);
+}
+
 TEST_F(SnapshotGrains, SpheresAreRoundAndStandAsideForForces)
 {
   vtkImageData* picture = this->draw(pair(2e-3));

@@ -1,8 +1,8 @@
 """Makes ParaView's panel of a class, a server manager XML, of what its header declares and of a small file of what is layout
 only: pvplugin/NAME.xml. Of a base class such a file gives what its subclasses share.
 
-    <Panel class="vtkX" label="X" short="A line for the menu" long="For the help">
-      Text of the help.
+    <Panel class="vtkX" menu="bonds" label="X" short="A line for the menu" long="For the help">
+      Text of the help; menu is a group of MENUS.
       <Input data="vtkImageData" arrays="point 1">What is wanted.</Input>
       <Output>Name of a port</Output>
       <Array name="PhaseArray" index="0" default="phase" of="Scalars" group="Phases">An array of the input to choose.</Array>
@@ -27,6 +27,14 @@ from headers import HeaderError, words_of
 TAGS = {"whole": "IntVectorProperty", "choice": "IntVectorProperty", "switch": "IntVectorProperty", "number": "DoubleVectorProperty",
         "text": "StringVectorProperty", "file": "StringVectorProperty"}
 ARRAY_TYPES = "0 0 0 0 2"
+# Groups of the menus Sources and Filters, in the words of each field. A group's icon is pvplugin/icons/NAME.svg.
+MENUS = {
+    "samples": "Lamella: Samples (Micrographs, Grains)",
+    "heat": "Lamella: Heat and Vapour (Diffusion, Lattice Boltzmann)",
+    "bonds": "Lamella: Elasticity and Fracture (Peridynamics)",
+    "points": "Lamella: Compression and Crushing (MPM)",
+    "analysis": "Lamella: Analysis (Flux, Pores, Stress, Cracks)",
+}
 
 
 class Panel:
@@ -90,8 +98,19 @@ class Panel:
         self.add_groups(proxy)
         known = {"Input", "Output", "Array", "Group", "Without", "When", "Start", "Tells", "Advanced", "Plain", "Label"}
         proxy.extend(element for element in layout if element.tag not in known)
+        self.add_to_menu(proxy)
         ElementTree.indent(root)
         return root
+
+    def add_to_menu(self, proxy):
+        menu = next((layout.get("menu") for layout in reversed(self.chain) if layout.get("menu")), None)
+        if menu in MENUS:
+            hints = proxy.find("Hints")
+            hints = ElementTree.SubElement(proxy, "Hints") if hints is None else hints
+            # menu_label: ParaView 5.13 would make one of the category, with blanks after brackets
+            ElementTree.SubElement(hints, "ShowInMenu", category=MENUS[menu], menu_label=MENUS[menu], icon=f":/lamella/{menu}.svg")
+        elif menu:
+            self.fail(f"there is no menu {menu}")
 
     @staticmethod
     def document(property_element, text):
@@ -274,6 +293,12 @@ class Panel:
         left = [name for name in left if self.settings[name].group]  # what has none stands above all titles
         if left:
             self.fail(f"{', '.join(left)}: in no group of the panel; their groups are {', '.join({self.settings[n].group for n in left})}")
+        # ParaView shows a group where the first of its properties stands
+        first = list(proxy).index(proxy.find("PropertyGroup"))
+        members = {element.get("name"): element for element in list(proxy)[:first]}
+        for name in [member.get("name") for member in proxy.findall("PropertyGroup/Property")]:
+            proxy.remove(members[name])
+            proxy.insert(first - 1, members[name])
 
     def add_group(self, proxy, label, names, when):
         found = ElementTree.SubElement(proxy, "PropertyGroup", label=label)
