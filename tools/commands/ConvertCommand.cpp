@@ -45,6 +45,12 @@ std::string reportText(const Json& json)
     arrays += fmt::format("{}{} ({}{})", arrays.empty() ? "; " : ", ", array["name"].get<std::string>(),
       components > 1 ? fmt::format("{} × ", components) : "", array["type"].get<std::string>());
   }
+  if (const auto surface = json.find("surface"); surface != json.end())
+  {
+    arrays += fmt::format("; closed surface of {}: area {:.6g} m², volume {:.6g} m³",
+      quotedList((*surface)["phases"].get<std::vector<std::string>>(), "and"), (*surface)["area"].get<double>(),
+      (*surface)["volume"].get<double>());
+  }
   const auto steps = json["steps"].get<std::int64_t>();
   auto files = json["files"].get<std::vector<std::string>>();
   constexpr std::size_t most = 6;
@@ -98,16 +104,26 @@ Command convertCommand(CLI::App& root)
     ->add_flag("--lossy", o->words.lossy,
       "Go on where something is lost: nearest values of --type, cells in a table, gaps in a series, transparency")
     ->group("Values");
+  addOption(*app, "Surface", "--phase", o->words.phases,
+    "Write the closed surface of this phase of a volume: its name, or its value where phases have none; several times "
+    "for their union",
+    "NAME");
+  addOption(*app, "Surface", "--smooth", o->words.smoothing,
+    "With --phase: smooth the surface by this many iterations of a windowed sinc filter, such as 20; 0: as it is",
+    "NUMBER")
+    ->capture_default_str();
   addRawOptions(*app, o->words.raw.picture);
   addRawTypeOptions(*app, o->words.raw);
   addOutputOptions(*app, o->words.output, o->common,
-    "File to write; its ending tells the format. A pattern such as slice_%04d.png for slices or steps");
+    "File to write; its ending tells the format (.vti for a single -). A pattern such as slice_%04d.png for slices or "
+    "steps");
   app->add_flag("--formats", o->formats, "List the formats and what they hold, and exit")->group("Report");
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella convert stack.tif -o stack.hdf --pixel-size 0.5um",
       "lamella convert berea_400x400x400_u16.raw -o slices_%04d.png",
       "lamella convert heat_y.vti --array temperature --range 0,1 -o heat.png",
+      "lamella convert tissue.vti --phase wall -o wall.stl", "lamella convert torn.pvd -o torn.xdmf",
       "lamella convert torn.pvd -o torn_%03d.hdf", "lamella convert grains.csv -o grains.vtp" });
   return aloneCommand(app, o, runConvert);
 }

@@ -26,6 +26,8 @@ struct ConversionWords
   std::string step;                ///< --step; empty: all
   std::string type;                ///< --type
   std::string range;               ///< --range
+  std::vector<std::string> phases; ///< --phase: those whose surface is wanted
+  int smoothing = 0;               ///< --smooth
   bool lossy = false;
   bool overwrite = false;
 };

@@ -35,6 +35,9 @@ std::string commandOf(const cli::ConversionWords& words)
   };
   for (const std::string& name : words.arrays)
     add("--array", name);
+  for (const std::string& name : words.phases)
+    add("--phase", name);
+  add("--smooth", words.smoothing > 0 ? std::to_string(words.smoothing) : "");
   add("--step", words.step);
   add("--type", words.type);
   add("--range", words.range);
@@ -124,6 +127,18 @@ void vtkFileConverter::ClearArrays()
   this->Modified();
 }
 
+void vtkFileConverter::AddPhase(const std::string& name)
+{
+  this->Phases.push_back(name);
+  this->Modified();
+}
+
+void vtkFileConverter::ClearPhases()
+{
+  this->Phases.clear();
+  this->Modified();
+}
+
 void vtkFileConverter::SetRange(double low, double high)
 {
   this->Put(this->Range, fmt::format("{},{}", low, high));
@@ -185,6 +200,8 @@ void vtkFileConverter::Convert()
   words.raw.picture.pixelSize = this->PixelSize != 0 ? fmt::format("{}", this->PixelSize) : "";
   words.output = this->OutputFileName;
   words.arrays = this->Arrays;
+  words.phases = this->Phases;
+  words.smoothing = this->Smoothing;
   words.step = this->Step != -1 ? std::to_string(this->Step) : "";
   words.type = this->NumberType;
   words.range = this->Range;
@@ -223,6 +240,7 @@ void vtkFileConverter::PrintSelf(ostream& os, vtkIndent indent)
      << indent << "OutputFileName: " << this->OutputFileName << '\n'
      << indent << "NumberType: " << this->NumberType << '\n'
      << indent << "Range: " << this->Range << '\n'
+     << indent << "Smoothing: " << this->Smoothing << '\n'
      << indent << "Step: " << this->Step << '\n'
      << indent << "Lossy: " << this->Lossy << '\n'
      << indent << "Overwrite: " << this->Overwrite << '\n'

@@ -65,6 +65,21 @@ public:
   ///@}
 
   ///@{
+  /** Phases of a volume whose closed surface, that of their union, is written in its place. None: the volume. */
+  void AddPhase(const std::string& name);
+  void ClearPhases();
+  ///@}
+
+  ///@{
+  /**
+   * Iterations of a windowed sinc filter that smooth the surface. 0: as it is.
+   * @word smooth
+   */
+  vtkSetMacro(Smoothing, int);
+  vtkGetMacro(Smoothing, int);
+  ///@}
+
+  ///@{
   /** Of a series: the step, counted from 0. -1: all. */
   vtkSetMacro(Step, int);
   vtkGetMacro(Step, int);
@@ -152,6 +167,8 @@ private:
   std::string RawType;
   std::string RawOrder;
   std::vector<std::string> Arrays;
+  std::vector<std::string> Phases;
+  int Smoothing = 0;
   int Step = -1;
   bool Lossy = false;
   bool Overwrite = false;

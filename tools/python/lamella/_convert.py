@@ -21,12 +21,15 @@ def _in_words_of_python(text):
 
 
 def _converter(source=None, array=None, step=None, type=None, range=None, lossy=False, pixel_size=None,  # pylint: disable=redefined-builtin
-               raw_size=None, raw_type=None, raw_order=None, raw_header=0):
+               raw_size=None, raw_type=None, raw_order=None, raw_header=0, phase=None, smooth=0):
     converter = vtkFileConverter()
     if source is not None:
         converter.SetFileName(os.fspath(source))
     for name in [array] if isinstance(array, str) else array or ():
         converter.AddArray(name)
+    for name in [phase] if isinstance(phase, str) else phase or ():
+        converter.AddPhase(name)
+    converter.SetSmoothing(int(smooth))
     if step is not None:
         if step < 0:
             raise ValueError(f"step is {step}; steps count from 0")
@@ -80,6 +83,8 @@ def convert(
     raw_type: str | None = None,
     raw_order: str | None = None,
     raw_header: int = 0,
+    phase: str | Sequence[str] | None = None,
+    smooth: int = 0,
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> list[str]:
@@ -94,10 +99,13 @@ def convert(
     lossy       go on where something is lost: docs/commands/convert.md says what
     pixel_size  metres; wins over what the file says
     raw_size, raw_type, raw_order, raw_header   raw volumes: (nx, ny, nz), type, "little" or "big", bytes to skip
+    phase       names of phases of a volume: their closed surface is written, as .stl, .ply or .vtp
+    smooth      iterations of a windowed sinc filter on that surface
     overwrite   replace files that exist
     progress    called as progress(share, text); return False to cancel (raises Cancelled), nothing is left then
     """
-    converter = _converter(source, array, step, type, range, lossy, pixel_size, raw_size, raw_type, raw_order, raw_header)
+    converter = _converter(source, array, step, type, range, lossy, pixel_size, raw_size, raw_type, raw_order, raw_header,
+                           phase, smooth)
     return _write(converter, path, overwrite, progress)
 
 
@@ -159,6 +167,8 @@ def write(
     spacing: float = 1.0,
     name: str = "values",
     vectors: bool = False,
+    phase: str | Sequence[str] | None = None,
+    smooth: int = 0,
     overwrite: bool = False,
     progress: Progress | None = None,
 ) -> list[str]:
@@ -169,14 +179,14 @@ def write(
     path        the file; its ending tells the format. A pattern for slices (slice_%04d.png)
     spacing, name, vectors   of an array: distance of two nodes [m], what it is called, whether its last axis is that of
                              components, such as red, green and blue
-    array, type, range, lossy, overwrite, progress   as of ``lamella.convert``
+    array, type, range, lossy, phase, smooth, overwrite, progress   as of ``lamella.convert``
     """
     if hasattr(data, "vtk"):
         data = data.vtk
     if not isinstance(data, vtkDataObject):
         given = _arrays.checked(data, "the array", "give numbers of 1, 2, 4 or 8 bytes")
         data = _arrays.image_of(given, spacing, name, given.shape[-1:] if vectors else ())
-    converter = _converter(None, array, None, type, range, lossy)
+    converter = _converter(None, array, None, type, range, lossy, phase=phase, smooth=smooth)
     converter.SetInputData(data)
     return _write(converter, path, overwrite, progress)
 
