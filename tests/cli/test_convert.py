@@ -475,6 +475,107 @@ class Outputs(Convert):
         for name in ["x.vti", "x.hdf", "x.tif", "x.raw", "x.mhd", "x.nrrd", "x.csv"]:
             self.fails(7, "cannot write '%s': File too large" % name.replace(".mhd", ".raw"), "make room", "convert", "a.vti", "-o", name,
                        preexec_fn=limit)
+        self.write("b.vti", grids.vti([grids.array("grain", [1] * 1000, "UInt8")], extent="0 9 0 9 0 9"))
+        for name in ["x.stl", "x.ply"]:
+            self.fails(7, "cannot write '%s': File too large" % name, "make room", "convert", "b.vti", "--phase", "1", "-o", name, preexec_fn=limit)
+
+
+class Surfaces(Convert):
+    H = 0.5e-6  # edge of a voxel
+
+    def phases(self, wanted, size):
+        """s.vti, with phases that wanted(x, y, z) tells by number, and how many voxels each has."""
+        ids = [wanted(x, y, z) for z in range(size[2]) for y in range(size[1]) for x in range(size[0])]
+        head = "NDims = 3\nDimSize = %d %d %d\nElementSpacing = 5e-7 5e-7 5e-7\nOffset = 1e-6 2e-6 3e-6\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n"
+        self.write("s.mha", (head % size).encode() + bytes(ids))
+        return [ids.count(i) for i in range(max(ids) + 1)]
+
+    def surface(self, *words):
+        """Writes an STL; its triangles, which are closed: its area, its volume, and the report."""
+        report = self.works("convert", "s.mha", "-o", "s.stl", "--overwrite", "--json", *words).json()["surface"]
+        with open(self.path("s.stl"), "rb") as file:
+            data = file.read()
+        count = struct.unpack("<I", data[80:84])[0]
+        self.assertEqual((len(data), count), (84 + 50 * count, report["triangles"]))
+        edges, area, volume, least = {}, 0, 0, [math.inf] * 3
+        for at in range(84, len(data), 50):
+            number = struct.unpack("<12f", data[at: at + 48])
+            a, b, c = number[3:6], number[6:9], number[9:12]
+            for one, two in ((a, b), (b, c), (c, a)):
+                edges[one, two] = edges.get((one, two), 0) + 1
+            u, v = [[p[i] - a[i] for i in range(3)] for p in (b, c)]
+            cross = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+            self.assertGreater(sum(cross[i] * number[i] for i in range(3)), 0, "the normal is that of the triangle")
+            area += math.hypot(*cross) / 2
+            volume += sum(a[i] * cross[i] for i in range(3)) / 6
+            least = [min(least[i], a[i], b[i], c[i]) for i in range(3)]
+        # Closed: each edge lies in two triangles, which run along it in opposite directions.
+        self.assertTrue(all(n == 1 and (two, one) in edges for (one, two), n in edges.items()))
+        # Coordinates of STL have 24 bits, and the box reaches to some 30 voxels from the origin.
+        self.assertAlmostEqual(report["area"] / area, 1, delta=1e-5)
+        self.assertAlmostEqual(report["volume"] / volume, 1, delta=1e-5)  # above 0: normals point out
+        return area / self.H**2, volume / self.H**3, least
+
+    def test_a_box_that_fills_the_volume(self):
+        a, b, c = 10, 8, 6
+        self.phases(lambda x, y, z: 1, (a, b, c))
+        area, volume, least = self.surface("--phase", "1")
+        # Planes half a voxel outside the border's nodes; edges of voxels are cut off through the middles of their
+        # faces, where a prism of 1/8 a voxel goes, and at corners 5/48.
+        edges = 4 * (a + b + c - 3)
+        self.assertAlmostEqual(volume, a * b * c - edges / 8 - 8 * 5 / 48, delta=1e-3)
+        faces = 2 * ((a - 1) * (b - 1) + (b - 1) * (c - 1) + (a - 1) * (c - 1))
+        self.assertAlmostEqual(area, faces + edges * math.sqrt(0.5) + 8 * math.sqrt(3) / 8, delta=1e-3)
+        for found, first in zip(least, (1e-6, 2e-6, 3e-6)):
+            self.assertAlmostEqual(found / self.H, first / self.H - 0.5, delta=1e-4)
+
+    def test_a_sphere(self):
+        r = 12
+        count = self.phases(lambda x, y, z: int((x - 14) ** 2 + (y - 14) ** 2 + (z - 14) ** 2 < r * r), (29, 29, 29))[1]
+        area, volume, _ = self.surface("--phase", "1")
+        # The corners of voxels that stick out are cut off, those that are missing filled: what the count has, nearly.
+        self.assertAlmostEqual(volume / count, 1, delta=0.005)
+        self.assertGreater(area / (4 * math.pi * r * r), 1.05)  # the terraces of voxels have more surface than a sphere
+        smooth, volume, _ = self.surface("--phase", "1", "--smooth", "20")
+        self.assertAlmostEqual(smooth / (4 * math.pi * r * r), 1, delta=0.02)
+        self.assertAlmostEqual(volume / count, 1, delta=0.01)
+
+    def test_any_phases(self):
+        # Noise has every neighbourhood that there is; several phases are one body.
+        draw = random.Random(3)
+        self.phases(lambda x, y, z: draw.choice([0, 0, 1, 7]), (12, 12, 12))
+        self.surface("--phase", "1")
+        self.surface("--phase", "1", "--phase", "7")
+
+    def test_names_units_and_other_formats(self):
+        self.works("generate", "spheres", "--size", "12,12,12", "--pixel-size", "1um", "-o", "a.vti")
+        said = self.works("convert", "a.vti", "--phase", "inclusion", "-o", "a.stl").out
+        self.assertRegex(said, r"closed surface of 'inclusion': area \S+e-1\d m², volume \S+e-16 m³")
+        with open(self.path("a.stl.json"), encoding="utf-8") as file:
+            self.assertIn("lamella convert a.vti", json.load(file)["provenance"]["command"])
+        self.works("convert", "a.vti", "--phase", "inclusion", "-o", "a.vtp")
+        self.assertEqual(self.info("a.vtp")["cells"], (os.path.getsize(self.path("a.stl")) - 84) // 50)
+        self.works("convert", "a.vtp", "-o", "b.stl")
+        with open(self.path("a.stl"), "rb") as one, open(self.path("b.stl"), "rb") as other:
+            self.assertEqual(one.read(), other.read())
+
+    def test_what_has_no_surface(self):
+        self.works("generate", "softwood", "--size", "30,20", "-o", "flat.vti")
+        self.works("generate", "spheres", "--size", "8,8,8", "-o", "a.vti")
+        self.fails(3, "this is a picture", "micrograph FILE --contours", "convert", "flat.vti", "--phase", "wall", "-o", "x.stl")
+        self.fails(2, "--phase 'inclusoin': there is none", "did you mean 'inclusion'?", "convert", "a.vti", "--phase", "inclusoin", "-o", "x.stl")
+        self.fails(3, "holds an image, and .ply holds surfaces", "--phase NAME", "convert", "a.vti", "-o", "x.ply")
+        self.fails(3, "a.vti' holds points with", ".vtp", "convert", "a.vti", "--phase", "inclusion", "-o", "x.png")
+        self.fails(2, "smooth 3 without a phase", "--phase NAME", "convert", "a.vti", "--smooth", "3", "-o", "x.stl")
+        self.write("c.mha", b"NDims = 3\nDimSize = 2 2 2\nElementType = MET_UCHAR\nElementDataFile = LOCAL\n" + bytes(8))
+        self.fails(2, "--phase 'wall': the phases of this file have no names", "--phase 1", "convert", "c.mha", "--phase", "wall", "-o", "x.stl")
+        self.fails(3, "no voxel is of these phases", "lamella info", "convert", "c.mha", "--phase", "1", "-o", "x.stl")
+        self.write("t.stl", b"solid")
+        self.fails(3, "'t.stl': STL, PLY is written and not read", "made from", "convert", "t.stl", "-o", "x.vtp")
+        self.fails(3, "is written and not read", "made from", "info", "t.stl")
+        self.write("p.csv", b"x,y,z\n0,0,0\n1,0,0\n")
+        self.fails(3, "and .stl keeps polygons alone", "--lossy", "convert", "p.csv", "-o", "x.stl")
+        self.fails(3, "there is no surface", "--phase", "convert", "p.csv", "-o", "x.stl", "--lossy")
 
 
 class Words(Convert):
@@ -485,7 +586,8 @@ class Words(Convert):
 
     def test_every_format_of_the_table_is_gone_through(self):
         endings = re.findall(r"`\.(\w+)`", self.works("convert", "--formats").out)
-        others = {"tiff", "bin", "jpg", "jpeg", "pgm", "ppm", "pnm", "bmp", "vtkhdf", "h5", "hdf5", "pvd", "nii", "hdr", "vtk"}  # other names of the same, read only, series
+        others = {"tiff", "bin", "jpg", "jpeg", "pgm", "ppm", "pnm", "bmp", "vtkhdf", "h5", "hdf5", "pvd", "nii", "hdr", "vtk",
+                  "xdmf", "xmf", "stl", "ply"}  # other names of the same, read only, series
         self.assertEqual(set(endings) - others, set(IMAGES) | set(POINTS))
 
 

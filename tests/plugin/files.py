@@ -11,7 +11,12 @@ import numpy as np
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkDataArray, vtkPoints, vtkStringArray
 from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkImageData, vtkMultiBlockDataSet, vtkPolyData
+from vtkmodules.vtkCommonExecutionModel import vtkStreamingDemandDrivenPipeline as Pipeline
 from vtkmodules.vtkIOHDF import vtkHDFReader
+from vtkmodules.vtkIOPLY import vtkPLYReader
+from vtkmodules.vtkIOGeometry import vtkSTLReader
+from vtkmodules.vtkIOXdmf2 import vtkXdmfReader
+from vtkmodules.vtkIOXdmf3 import vtkXdmf3Reader
 
 IMAGES = ("png", "tif", "raw", "mhd", "mha", "nhdr", "nrrd", "vti", "hdf", "csv")
 REALS = IMAGES[1:]
@@ -171,6 +176,95 @@ class VtkHdf(Files):
         with self.assertRaisesRegex(lamella.LamellaError, "single line of points.*\\.vti"):
             lamella.write(image((1, 7), "u1"), self.path("x.hdf"))
         self.assertEqual(os.listdir(self.folder), [])
+
+
+class Xdmf(Files):
+    READERS = (vtkXdmfReader, vtkXdmf3Reader)
+
+    def read(self, reader_class, path, time=None):
+        reader = self.reader = reader_class()  # Xdmf3 keeps the memory of its arrays
+        reader.SetFileName(path)
+        reader.UpdateInformation()
+        if time is not None:
+            self.assertEqual(reader.GetOutputInformation(0).Get(Pipeline.TIME_STEPS()), (0.25, 1.5))
+            reader.UpdateTimeStep(time)
+        reader.Update()
+        return reader.GetOutputDataObject(0)
+
+    def test_images_of_all_types_at_their_place(self):
+        for shape in ((3, 4, 5), (5, 7), (5, 1, 7), (5, 4, 1)):
+            data = image(shape, "f8")
+            count = int(np.prod(shape))
+            for dtype in ("i1", "u1", "i2", "u2", "i4", "u4", "f4"):
+                data.GetPointData().AddArray(column(f"{dtype} <&>", counted(count, dtype)))
+            for dtype in ("i8", "u8"):
+                data.GetPointData().AddArray(column(dtype, np.arange(count, dtype=dtype) << 50))
+            for components in (2, 3, 6, 9):
+                data.GetPointData().AddArray(column(f"of {components}", counted((count, components), "f4")))
+            path = self.path("x%s.xdmf" % "_".join(map(str, shape)))
+            self.assertEqual(lamella.write(data, path), [path.replace(".xdmf", ".h5"), path])
+            for reader in self.READERS:
+                back = self.read(reader, path)
+                self.assertEqual(back.GetDimensions(), data.GetDimensions())
+                np.testing.assert_allclose(back.GetSpacing(), data.GetSpacing(), rtol=1e-14)
+                np.testing.assert_allclose(back.GetOrigin(), data.GetOrigin(), rtol=1e-14)
+                for i in range(data.GetPointData().GetNumberOfArrays()):
+                    array = data.GetPointData().GetArray(i)
+                    before, after = vtk_to_numpy(array), vtk_to_numpy(back.GetPointData().GetArray(array.GetName()))
+                    what = f"{reader.__name__}, {shape}, {array.GetName()}"
+                    np.testing.assert_array_equal(after.reshape(before.shape), before, what)
+                    self.assertEqual(after.dtype.itemsize, before.dtype.itemsize, what)
+
+    def test_steps(self):
+        for i, time in enumerate((0.25, 1.5)):
+            data = image((2, 3, 4), "f8")
+            data.GetFieldData().AddArray(column("TimeValue", np.array([time])))
+            data.GetPointData().GetArray(0).SetValue(0, 7 + i)
+            lamella.write(data, self.path(f"s_{i}.vti"))
+        files = lamella.convert(self.path("s_*.vti"), self.path("t.xdmf"))
+        self.assertEqual([os.path.basename(name) for name in files], ["t_000.h5", "t_001.h5", "t.xdmf"])
+        for reader in self.READERS:
+            for i, time in enumerate((0.25, 1.5)):
+                back = self.read(reader, self.path("t.xdmf"), time)
+                self.assertEqual(back.GetPointData().GetArray("grain").GetValue(0), 7 + i, reader.__name__)
+
+    def test_what_it_has_no_place_for(self):
+        with self.assertRaisesRegex(lamella.LamellaError, "20 points have|holds points with 20 cells"):
+            lamella.write(points(), self.path("x.xdmf"))
+        turned = image((2, 3, 4), "f8")
+        turned.SetDirectionMatrix(0, 1, 0, -1, 0, 0, 0, 0, 1)
+        with self.assertRaisesRegex(lamella.LamellaError, "axes of the image are not those of space"):
+            lamella.write(turned, self.path("x.xdmf"))
+        self.assertEqual(os.listdir(self.folder), [])
+
+
+class Surfaces(Files):
+    def test_stl_and_ply_hold_the_same_triangles(self):
+        sample = lamella.spheres(size=(14, 14, 14), spacing=1e-6)
+        for reader, name in ((vtkSTLReader(), "s.stl"), (vtkPLYReader(), "s.ply")):
+            path = self.path(name)
+            self.assertEqual(lamella.write(sample, path, phase="inclusion"), [path, path + ".json"])
+            reader.SetFileName(path)
+            reader.Update()
+            back = reader.GetOutput()
+            self.assertGreater(back.GetNumberOfCells(), 500)
+            if name == "s.stl":
+                first = back
+            self.assertEqual(back.GetNumberOfPoints(), first.GetNumberOfPoints())
+            self.assertEqual(back.GetNumberOfCells(), first.GetNumberOfCells())
+            np.testing.assert_allclose(back.GetBounds(), first.GetBounds(), rtol=1e-7)
+
+    def test_axes_of_a_left_hand_turn_no_normal_round(self):
+        volume = np.zeros((5, 6, 7), np.uint8)
+        volume[1:4, 1:4, 1:4] = 1
+        lamella.write(volume, self.path("v.vti"), spacing=2e-6)
+        data = lamella.read(self.path("v.vti"))
+        data.SetDirectionMatrix(0, 1, 0, 1, 0, 0, 0, 0, 1)
+        lamella.write(data, self.path("s.vtp"), phase=["1"])
+        surface = lamella.read(self.path("s.vtp"))
+        triangles = np.array([[surface.GetCell(i).GetPoints().GetPoint(k) for k in range(3)] for i in range(surface.GetNumberOfCells())])
+        enclosed = np.einsum("ij,ij->", triangles[:, 0], np.cross(triangles[:, 1], triangles[:, 2])) / 6
+        self.assertAlmostEqual(enclosed / 8e-18, 27 - 24 / 8 - 8 * 5 / 48, 3)
 
 
 class Arrays(Files):

@@ -10,8 +10,8 @@ if(LAMELLA_PARAVIEW)
 endif()
 set(LAMELLA_VTK_COMPONENTS # LamellaConfig.cmake asks for the same
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonColor FiltersCore FiltersFlowPaths FiltersGeneral
-  FiltersGeometry FiltersSources FiltersExtraction ImagingCore InteractionStyle IOCore IOHDF IOImage IOInfovis IOOggTheora
-  IOXML IOXMLParser ParallelCore
+  FiltersGeometry FiltersSources FiltersExtraction ImagingCore InteractionStyle IOCore IOGeometry IOHDF IOImage
+  IOInfovis IOOggTheora IOPLY IOXML IOXMLParser ParallelCore
   ParallelMPI RenderingAnnotation RenderingCore RenderingFreeType RenderingOpenGL2 RenderingContext2D
   RenderingContextOpenGL2 ChartsCore)
 find_package(VTK 9.2 REQUIRED COMPONENTS ${LAMELLA_VTK_COMPONENTS})

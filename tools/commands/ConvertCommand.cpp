@@ -50,6 +50,12 @@ std::string reportText(const Json& json)
     arrays += fmt::format("{}{} ({}{})", arrays.empty() ? "; " : ", ", array["name"].get<std::string>(),
       components > 1 ? fmt::format("{} × ", components) : "", array["type"].get<std::string>());
   }
+  if (const auto surface = json.find("surface"); surface != json.end())
+  {
+    arrays += fmt::format("; closed surface of {}: area {:.6g} m², volume {:.6g} m³",
+      quotedList((*surface)["phases"].get<std::vector<std::string>>(), "and"), (*surface)["area"].get<double>(),
+      (*surface)["volume"].get<double>());
+  }
   const auto steps = json["steps"].get<std::int64_t>();
   auto files = json["files"].get<std::vector<std::string>>();
   constexpr std::size_t most = 6;
@@ -97,15 +103,18 @@ Command convertCommand(CLI::App& root)
   app->add_option("FILE", o->file,
     "What to convert: a file, a folder or pattern of slices, a .pvd, or a pattern of steps such as step_*.vti");
   o->settings.declareSome(*app, "vtkFileConverter", { "array", "step", "type", "range", "lossy" }, "Values");
+  o->settings.declareSome(*app, "vtkFileConverter", { "phase", "smooth" }, "Surface");
   o->settings.declareSome(*app, "vtkFileConverter", rawWords(), "Sample");
   addOutputOptions(*app, o->output, o->common,
-    "File to write; its ending tells the format. A pattern such as slice_%04d.png for slices or steps");
+    "File to write; its ending tells the format (.vti for a single -). A pattern such as slice_%04d.png for slices or "
+    "steps");
   app->add_flag("--formats", o->formats, "List the formats and what they hold, and exit")->group("Report");
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella convert stack.tif -o stack.hdf --pixel-size 0.5um",
       "lamella convert berea_400x400x400_u16.raw -o slices_%04d.png",
       "lamella convert heat_y.vti --array temperature --range 0,1 -o heat.png",
+      "lamella convert tissue.vti --phase wall -o wall.stl", "lamella convert torn.pvd -o torn.xdmf",
       "lamella convert torn.pvd -o torn_%03d.hdf", "lamella convert grains.csv -o grains.vtp" });
   return aloneCommand(app, o, runConvert);
 }

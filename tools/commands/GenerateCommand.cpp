@@ -251,7 +251,7 @@ Command generateCommand(CLI::App& root)
     auto options = std::make_shared<GenerateOptions>();
     CLI::App* const command = generator->add_subcommand(kind.name, kind.text);
     addOutputOptions(
-      *command, options->output, options->common, "File to write: .png, .tif (volumes: a stack), .vti or .raw")
+      *command, options->output, options->common, "File to write: .vti, .png, .tif (volumes: a stack) or .raw")
       ->required();
     options->settings.declareKind(*command, "vtkMicrostructureSource", { "kind", kind.kind }, kind.defaults);
     for (const auto& [old, word] : kind.formerly)
@@ -262,7 +262,8 @@ Command generateCommand(CLI::App& root)
       options->settings.formerly(*command, "radial-late", "radial-diameter", "", 1);
     }
     if (command->get_option_no_throw("--look") != nullptr)
-      addOption(*command, "Micrograph", "--truth", options->truth, "With --look: write the labels here", "FILE");
+      addResultFile(
+        *command, "--truth", options->truth, "With --look: write the labels: .vti, .png, .tif or .raw", "FILE");
     addReportOptions(*command, options->common);
     commands.emplace_back(command, std::move(options));
   }

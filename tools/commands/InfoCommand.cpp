@@ -209,7 +209,7 @@ bool isPicture(const RawOptions& raw)
   if (!anyOf({ ".tif", ".tiff", ".raw", ".npy" }))
   {
     return !anyOf({ ".bin", ".mhd", ".mha", ".nhdr", ".nrrd", ".nii", ".nii.gz", ".hdr", ".vtk", ".vti", ".vtp", ".vtu",
-      ".pvd", ".hdf", ".vtkhdf", ".h5", ".hdf5", ".csv" });
+      ".pvd", ".hdf", ".vtkhdf", ".h5", ".hdf5", ".csv", ".xdmf", ".xmf", ".stl", ".ply" });
   }
   try
   {

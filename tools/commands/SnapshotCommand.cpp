@@ -189,7 +189,7 @@ Command snapshotCommand(CLI::App& root)
   app->add_option("--view", o->view)->group("");
   app->add_flag("--streamlines", o->streamlines)->group("");
   app->add_flag("--arrows", o->arrows)->group("");
-  addOutputOptions(*app, o->output, o->common, "PNG to write")->required();
+  addOutputOptions(*app, o->output, o->common, "Picture to write: .png")->required();
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella snapshot heat_y.vti --preset flux -o flux.png",

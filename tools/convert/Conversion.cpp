@@ -2,7 +2,9 @@
 
 #include "convert/PointTable.h"
 #include "convert/Source.h"
+#include "convert/Surface.h"
 #include "convert/Types.h"
+#include "convert/Xdmf.h"
 #include "files/Collection.h"
 #include "files/GridFile.h"
 #include "files/Record.h"
@@ -18,6 +20,7 @@
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
 #include <vtkFieldData.h>
+#include <vtkMassProperties.h>
 #include <vtkPointData.h>
 #include <vtkPolyData.h>
 #include <vtkTable.h>
@@ -233,7 +236,8 @@ void prepareImage(Session& session, Step& step, Plan& plan)
 
 void preparePoints(Step& step, Plan& plan)
 {
-  requireArrays(step.points, plan.words.arrays);
+  if (plan.words.phases.empty()) // of an image they were those of the image
+    requireArrays(step.points, plan.words.arrays);
   const auto points = vtkSmartPointer<vtkPointSet>::Take(step.points->NewInstance());
   points->ShallowCopy(step.points);
   select(points->GetPointData(), plan.words.arrays);
@@ -247,6 +251,37 @@ void preparePoints(Step& step, Plan& plan)
       fmt::format("'{}' has {} cells, of which a table keeps nothing", plan.words.raw.file, points->GetNumberOfCells()),
       "write .vtp, .vtu or .hdf, or take the points alone with --lossy");
   }
+  if (plan.target.writes == Surface && !onlySurface(points) && !plan.words.lossy)
+  {
+    throw InputError(fmt::format("'{}' holds arrays, or cells that are no polygons, and {} keeps polygons alone",
+                       plan.words.raw.file, plan.ending),
+      "write .vtp, or take the polygons alone with --lossy");
+  }
+}
+
+/// The surface of phases in place of the image that they are in.
+void takeSurface(Session& session, Step& step, const Plan& plan)
+{
+  const std::string& file = plan.words.raw.file;
+  if (step.volume == nullptr)
+    throw InputError(
+      fmt::format("'{}' holds no image, and --phase makes a surface of an image's phases", file), "give a volume");
+  step.volume = selected(std::move(step.volume), plan);
+  if (plan.words.arrays.empty() && step.volume->sample()->GetPointData()->HasArray("phase"))
+  {
+    step.volume = changed(
+      std::move(step.volume),
+      [](vtkImageData* image)
+      {
+        select(image->GetPointData(), { "phase" });
+        image->GetCellData()->Initialize();
+      });
+  }
+  step.volume = onePixelArray(std::move(step.volume), plan);
+  if (fieldText(step.volume->sample(), "pixel_size_source") == "none")
+    session.warn(fmt::format("'{}' tells no pixel size: the surface is in pixels; --pixel-size METRES tells it", file));
+  step.points = surfaceOf(session, *step.volume, plan.words.phases, plan.words.smoothing);
+  step.volume = nullptr;
 }
 
 /// What the source cannot be in the target.
@@ -261,7 +296,7 @@ void requireKind(Step& step, const Plan& plan)
     }
     return;
   }
-  if (step.volume == nullptr && (plan.target.writes & Points) == 0)
+  if (step.volume == nullptr && (plan.target.writes & (Points | Surface)) == 0)
   {
     if (!onlyPoints(step.points))
     {
@@ -274,8 +309,11 @@ void requireKind(Step& step, const Plan& plan)
   }
   if (step.volume != nullptr && (plan.target.writes & Image) == 0)
   {
-    throw InputError(fmt::format("'{}' holds an image, and {} holds points", plan.words.raw.file, plan.ending),
-      "write .vti or .hdf; a table (.csv) has a line for each node, and can become points");
+    const bool surface = plan.target.writes == Surface;
+    throw InputError(fmt::format("'{}' holds an image, and {} holds {}", plan.words.raw.file, plan.ending,
+                       surface ? "surfaces" : "points"),
+      surface ? "name the phase of a volume whose surface you want: --phase NAME"
+              : "write .vti or .hdf; a table (.csv) has a line for each node, and can become points");
   }
 }
 
@@ -322,6 +360,11 @@ Plan planOf(const ConversionWords& o, const Format& target, const std::string& e
     }
   }
   plan.pixelSize = o.raw.read.pixelSize;
+  if (o.smoothing > 0 && o.phases.empty())
+  {
+    throw ParameterError(
+      fmt::format("smooth {} without a phase", o.smoothing), "it is for surfaces: --phase NAME --smooth 20");
+  }
   if (target.write == nullptr)
   {
     throw ParameterError(
@@ -371,6 +414,15 @@ void describeStep(Json& json, Step& step)
   json["arrays"] = arraysJson(headOf(step));
 }
 
+Json surfaceJson(const ConversionWords& o, vtkPointSet* surface)
+{
+  vtkNew<vtkMassProperties> measured;
+  measured->SetInputData(surface);
+  measured->Update();
+  return { { "phases", o.phases }, { "triangles", surface->GetNumberOfCells() }, { "area", measured->GetSurfaceArea() },
+    { "volume", measured->GetVolume() } };
+}
+
 /// The step that was asked for, if one was. @throws ParameterError
 std::optional<std::size_t> chosenStep(const ConversionWords& o, const Source& source)
 {
@@ -382,15 +434,21 @@ std::optional<std::size_t> chosenStep(const ConversionWords& o, const Source& so
   return o.step;
 }
 
+/// A file that lists the files of steps.
+bool isList(const std::string& ending)
+{
+  return ending == ".pvd" || ending == ".xdmf" || ending == ".xmf";
+}
+
 std::vector<std::size_t> stepsOf(const ConversionWords& o, const Source& source, const std::string& ending)
 {
   if (const auto step = chosenStep(o, source))
     return { *step };
-  if (source.files.size() > 1 && ending != ".pvd" && !isPattern(o.output))
+  if (source.files.size() > 1 && !isList(ending) && !isPattern(o.output))
   {
     throw ParameterError(
       fmt::format("'{}' is a series of {} steps, and '{}' one file", o.raw.file, source.files.size(), o.output),
-      "choose one with --step NUMBER (from 0), or write -o NAME.pvd or a pattern such as -o NAME_%03d.vti");
+      "choose one with --step NUMBER (from 0), or write -o NAME.pvd, NAME.xdmf or a pattern such as -o NAME_%03d.vti");
   }
   std::vector<std::size_t> steps(source.files.size());
   std::iota(steps.begin(), steps.end(), std::size_t{ 0 });
@@ -437,11 +495,13 @@ const char* endingFor(const Step& step)
 }
 
 /// The name that a step's files have, by what the step is.
-std::string stepName(const std::string& output, const std::string& ending, std::size_t number, Step& step)
+std::string stepName(const std::string& output, const std::string& ending, std::size_t number, bool several, Step& step)
 {
-  if (ending != ".pvd")
+  if (!isList(ending))
     return numbered(output, number);
-  return withSuffix(std::filesystem::path(output).replace_extension(endingFor(step)), fmt::format("_{:03}", number))
+  const bool steps = ending == ".pvd" || several;
+  return withSuffix(std::filesystem::path(output).replace_extension(ending == ".pvd" ? endingFor(step) : ".h5"),
+    steps ? fmt::format("_{:03}", number) : "")
     .string();
 }
 
@@ -470,18 +530,21 @@ Converted convert(Session& session, const ConversionWords& o, const std::string&
   std::vector<std::string> names;
   std::vector<std::string> stepNames;
   std::vector<double> times;
+  std::vector<std::string> grids;
   std::vector<OutputFile> done;
   std::vector<OutputFile> list;
-  if (ending == ".pvd")
+  if (isList(ending))
     list.emplace_back(o.output, o.overwrite);
   std::optional<io::Provenance> run;
   for (std::size_t i = 0; i < steps.size(); ++i)
   {
     Step step = data == nullptr ? source.open(steps[i], reading) : stepOf(data);
-    const std::string name = stepName(o.output, ending, several || ending == ".pvd" ? i : steps[i], step);
-    const Format& target = formatOf("-o", name);
-    Plan plan = planOf(o, target, endingOf(name.c_str()));
-    if (several && ending != ".pvd" && target.slices)
+    if (!o.phases.empty())
+      takeSurface(session, step, planOf(o, named, ending));
+    const std::string name = stepName(o.output, ending, several || isList(ending) ? i : steps[i], several, step);
+    const Format& target = ending == ".pvd" ? formatOf("-o", name) : named;
+    Plan plan = planOf(o, target, ending == ".pvd" ? endingOf(name.c_str()) : ending);
+    if (several && !isList(ending) && target.slices)
     {
       throw ParameterError(fmt::format("'{}' is a series of {} steps, and numbered pictures are the slices of a volume",
                              file, steps.size()),
@@ -499,19 +562,27 @@ Converted convert(Session& session, const ConversionWords& o, const std::string&
     stamp(step, io::toJson(*run), time);
     if (i == 0)
       describeStep(json, step);
+    if (i == 0 && !o.phases.empty())
+      json["surface"] = surfaceJson(o, step.points);
+    if (ending != ".pvd" && isList(ending))
+    {
+      const std::string values = std::filesystem::path(name).filename().string();
+      grids.push_back(xdmfGrid(*step.volume, values, several ? std::optional(time.value_or(i)) : time));
+    }
     target.write({ session, step, files });
     times.push_back(time.value_or(static_cast<double>(i)));
     stepNames.push_back(std::filesystem::path(name).filename().string());
     for (OutputFile& one : files)
     {
-      names.push_back(one.path().string());
+      if (!one.inMemory()) // as what would lie beside standard output
+        names.push_back(one.path().string());
       done.push_back(std::move(one));
     }
     Session::checkInterrupt();
   }
   for (OutputFile& one : list)
   {
-    one.write(collectionText(stepNames, times));
+    one.write(ending == ".pvd" ? collectionText(stepNames, times) : xdmfText(grids));
     names.push_back(one.path().string());
   }
   const PartFile::Hold together;

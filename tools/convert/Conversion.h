@@ -28,6 +28,8 @@ struct ConversionWords
   std::optional<int> step;         ///< else all
   std::string type;                ///< of numbers; empty: as they are
   std::optional<std::array<double, 2>> range;
+  std::vector<std::string> phases; ///< whose surface is wanted in place of the volume
+  int smoothing = 0;               ///< iterations, of that surface
   bool lossy = false;
   bool overwrite = false;
 };

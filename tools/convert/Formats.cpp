@@ -4,6 +4,7 @@
 #include "convert/Notes.h"
 #include "convert/Pictures.h"
 #include "convert/PointTable.h"
+#include "convert/Surface.h"
 #include "convert/TiffFile.h"
 #include "convert/Types.h"
 #include "files/GridFile.h"
@@ -226,6 +227,12 @@ void writeVtkHdf(const Writing& w)
     writeHdf(w.session, w.step.points, w.files.front());
 }
 
+void writeStl(const Writing& w)
+{
+  writeSurface(w.step.points, w.files[0]);
+  w.files[1].write(notesOf(w.step.points, {}, {}, VTK_FLOAT) + "\n");
+}
+
 Step openCsv(const std::string& path, Reading& reading)
 {
   return openTable(path, reading.arrays);
@@ -293,6 +300,10 @@ const std::vector<Format>& formats()
       "all but bits and texts", true, true, false, inside, anyNumbers, openHdfFile, itself, writeVtkHdf },
     { "CSV", { ".csv" }, Image | Poly, Image | Points | Numbers, "all; whole numbers to 2^53", true, true, false,
       besideIt, anyNumbers, openCsv, withNotesBeside, writeCsv },
+    { "XDMF 3", { ".xdmf", ".xmf" }, 0, Image, "all; u64 below 2^63", true, true, false, "NAME.h5 beside it",
+      anyNumbers, nullptr, itself, writeVtkHdf },
+    { "STL, PLY", { ".stl", ".ply" }, 0, Surface, "none", true, false, false, besideIt, anyNumbers, nullptr,
+      withNotesBeside, writeStl },
   };
   return table;
 }
@@ -320,7 +331,7 @@ std::string formatsText()
   {
     std::string words;
     for (const auto& [bits, word] : { std::pair<unsigned, const char*>{ Picture2D, "2D" }, { Volume3D, "3D" },
-           { Points, "points" }, { Numbers, "numbers" } })
+           { Points, "points" }, { Numbers, "numbers" }, { Surface, "surfaces" } })
     {
       words += (mask & bits) != 0 ? std::string(words.empty() ? "" : ", ") + word : "";
     }
@@ -332,7 +343,11 @@ std::string formatsText()
     for (const std::string& ending : format.endings)
       endings += fmt::format("{}`{}`", endings.empty() ? "" : ", ", ending);
     text += fmt::format("| {} | {} | {} | {} | {} | {} | {} | {} |\n", format.name, endings, kinds(format.reads),
-      kinds(format.writes), format.values, format.manyArrays ? "many" : "one", format.slabs ? "yes" : "", format.where);
+      kinds(format.writes), format.values,
+      format.writes == Surface ? "none"
+        : format.manyArrays    ? "many"
+                               : "one",
+      format.slabs ? "yes" : "", format.where);
   }
   return text + "| series | `.pvd` | steps of the VTK formats | the same | | | | times, too |\n";
 }

@@ -30,7 +30,8 @@ enum Kind : unsigned
   Poly = 4,
   Mesh = 8,
   Points = Poly | Mesh,
-  Numbers = 16 ///< without a place
+  Numbers = 16, ///< without a place
+  Surface = 32  ///< polygons and nothing else
 };
 
 /// A step that is to be written, and where. Files stand in the order of Format::files.
@@ -54,7 +55,7 @@ struct Format
   const char* where; ///< names, units, place, field data and provenance are kept: in the file, or beside it
   /// Can it hold arrays of this type, with so many values a pixel or point?
   bool (*holds)(int type, int components);
-  Step (*open)(const std::string& path, Reading& reading);
+  Step (*open)(const std::string& path, Reading& reading); ///< null: only written
   /// The files that one step takes: the named one first.
   std::vector<std::string> (*files)(const std::string& output, Step& step);
   void (*write)(const Writing& writing);

@@ -113,6 +113,11 @@ Source findSource(const std::string& path, Reading& reading)
     if (ending.ends_with(".gz") && ending != ".nii.gz")
       throw InputError("'" + path + "' is packed", "unpack it first: gunzip --keep " + path);
     source.format = &formatOf("the file", path);
+    if (source.format->open == nullptr)
+    {
+      throw InputError(fmt::format("'{}': {} is written and not read", path, source.format->name),
+        ending[1] == 'x' ? "it points to HDF5 files beside it, .h5: read those" : "read what it was made from");
+    }
     source.files = { path };
     return source;
   }

@@ -5,6 +5,14 @@
 namespace lamella::cli
 {
 
+std::string xmlText(const std::string& text)
+{
+  std::string xml;
+  for (const char c : text)
+    xml += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
+  return xml;
+}
+
 std::string collectionText(const std::vector<std::string>& files, std::vector<double> times)
 {
   std::string text = "<?xml version=\"1.0\"?>\n"
@@ -13,10 +21,7 @@ std::string collectionText(const std::vector<std::string>& files, std::vector<do
   {
     if (i > 0 && times[i] <= times[i - 1])
       times[i] = times[i - 1] * (1 + 1e-9);
-    std::string name;
-    for (const char c : files[i])
-      name += c == '&' ? "&amp;" : c == '<' ? "&lt;" : c == '"' ? "&quot;" : std::string(1, c);
-    text += fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", times[i], name);
+    text += fmt::format("    <DataSet timestep=\"{}\" part=\"0\" file=\"{}\"/>\n", times[i], xmlText(files[i]));
   }
   return text + "  </Collection>\n</VTKFile>\n";
 }

@@ -45,7 +45,7 @@ void addPictureOptions(CLI::App& command, PictureOptions& options)
   command
     .add_option("FILE", options.file,
       "PNG, JPEG, TIFF or TIFF stack, PGM, PPM, BMP, a folder of numbered pictures, .raw, .mhd, .nrrd, .npy, .nii, "
-      ".vtk, or .vti")
+      ".vtk, or .vti; - for standard input")
     ->required();
   addPhaseOptions(command, options);
   addRawOptions(command, options);

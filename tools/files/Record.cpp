@@ -20,6 +20,7 @@ io::Provenance recordRun(
     std::error_code failed;
     record.inputs.push_back(
       std::filesystem::exists(file, failed) ? io::describeInput(file) : io::InputFile{ file, 0, "" });
+    record.inputs.back().name = Session::named(file);
   }
   Json parameters;
   if (scene != nullptr && !scene->record.empty())

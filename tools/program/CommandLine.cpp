@@ -10,6 +10,13 @@
 namespace lamella::cli
 {
 
+CLI::App* innermost(CLI::App* app)
+{
+  for (CLI::App* command : app->get_subcommands())
+    return innermost(command);
+  return app;
+}
+
 std::vector<std::string> optionNames(const CLI::App* app)
 {
   std::vector<std::string> names;
@@ -26,14 +33,6 @@ std::vector<std::string> optionNames(const CLI::App* app)
 
 namespace
 {
-
-/// The sub-command that was typed, down to the last one.
-CLI::App* innermost(CLI::App* app)
-{
-  for (CLI::App* command : app->get_subcommands())
-    return innermost(command);
-  return app;
-}
 
 std::string fullName(const CLI::App* app)
 {

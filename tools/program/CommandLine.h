@@ -17,6 +17,9 @@ namespace lamella::cli
 /// @throws ParameterError
 [[nodiscard]] bool parseWords(CLI::App& root, const std::vector<std::string>& words);
 
+/// The sub-command that was typed, down to the last one.
+[[nodiscard]] CLI::App* innermost(CLI::App* app);
+
 /// The long names of an app's options, with their dashes, and the short ones.
 [[nodiscard]] std::vector<std::string> optionNames(const CLI::App* app);
 

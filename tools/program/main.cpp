@@ -3,6 +3,7 @@
 #include "program/CommandLine.h"
 #include "program/Help.h"
 #include "program/ShellPages.h"
+#include "program/StandardStreams.h"
 #include "session/QuietThreads.h"
 #include "session/Session.h"
 #include "session/Text.h"
@@ -89,6 +90,7 @@ int run(Session& session, std::vector<std::string> words)
   {
     if (command.app->parsed())
     {
+      const StandardStreams streams(session, *innermost(&root));
       command.run(session, commandLine);
       return session.code();
     }

@@ -11,6 +11,7 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cerrno>
 #include <cstring>
 #include <map>
@@ -58,6 +59,32 @@ fs::path folderOf(const fs::path& path)
   return folder.empty() ? fs::path(".") : folder;
 }
 
+std::atomic<bool> outputAllowed;
+std::atomic<bool> outputUsed;
+
+/// All of a file to standard output; the file goes. @returns 0 or errno
+int sendOut(const fs::path& path)
+{
+  const int file = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_CLOEXEC);
+  ::unlink(path.c_str()); // nobody may read on: then the program is ended
+  std::string block(std::size_t{ 1 } << 20, '\0');
+  int error = file < 0 ? errno : 0;
+  ssize_t count = 0;
+  while (error == 0 && (count = ::read(file, block.data(), block.size())) > 0)
+  {
+    for (std::string_view left(block.data(), static_cast<std::size_t>(count)); error == 0 && !left.empty();)
+    {
+      const ssize_t written = ::write(STDOUT_FILENO, left.data(), left.size());
+      left.remove_prefix(static_cast<std::size_t>(std::max<ssize_t>(written, 0)));
+      error = written < 0 && errno != EINTR ? errno : 0;
+    }
+  }
+  error = error == 0 && count < 0 ? errno : error;
+  if (file >= 0)
+    ::close(file);
+  return error;
+}
+
 std::string hintFor(int error)
 {
   switch (error)
@@ -78,27 +105,37 @@ OutputFile::OutputFile(const fs::path& path, bool overwrite)
   , overwrite_(overwrite)
   , inMemory_(Workspace::holds(path))
 {
+  const bool sentOut = isStandardOutput(path);
+  inMemory_ = inMemory_ || (sentOut && path.extension() == ".json" && path.stem().has_extension());
   if (inMemory_)
     return;
+  if (sentOut && ::isatty(STDOUT_FILENO) == 1 && path.extension() != ".csv")
+  {
+    throw OutputError("standard output is a terminal, on which " + path.extension().string() + " cannot be read",
+      "send it on: ... | lamella ... -, or > FILE");
+  }
   std::error_code ignored;
-  const fs::path folder = folderOf(path);
+  const fs::path folder = sentOut ? temporaryFolder() : folderOf(path);
   if (path.filename().empty() || fs::is_directory(path, ignored))
     throw OutputError(quoted(path) + " is a folder, not a file", "give the name of a file to -o");
   if (!fs::exists(folder, ignored))
     throw OutputError("there is no folder " + quoted(folder), "make it first: mkdir -p " + folder.string());
-  if (!overwrite && fs::exists(fs::symlink_status(path, ignored)))
+  if (!overwrite && !sentOut && fs::exists(fs::symlink_status(path, ignored)))
     throw OutputError(quoted(path) + " exists already", "choose another name, or add --overwrite to replace it");
   const std::lock_guard<std::mutex> lock(guard);
-  const std::string place = placeOf(path);
+  const std::string place = sentOut ? "-" : placeOf(path);
   if (std::ranges::any_of(making, [&](const auto& one) { return one.second.place == place; }))
-    throw ParameterError("two results are to be written to " + quoted(path), "give each of them a name of its own");
-  PartFile part(path);
+    throw ParameterError("two results are to be written to " + (sentOut ? "standard output" : quoted(path)),
+      "give each of them a name of its own");
+  PartFile part(folder / path.filename());
   if (PartFile::removedAll())
     throw Cancelled();
   if (const int error = part.error(); error != 0)
     throw OutputError("cannot write in the folder " + quoted(folder) + ": " + std::strerror(error), hintFor(error));
   temporary_ = part.path();
   making.emplace(temporary_, Making{ place, std::move(part) });
+  if (sentOut)
+    outputUsed = true;
 }
 
 OutputFile::~OutputFile()
@@ -130,7 +167,7 @@ OutputFile& OutputFile::operator=(OutputFile&& other) noexcept
 void OutputFile::needs(std::uint64_t bytes) const
 {
   struct statvfs disk = {};
-  if (!inMemory_ && ::statvfs(folderOf(path_).c_str(), &disk) == 0)
+  if (!inMemory_ && ::statvfs(folderOf(temporary_).c_str(), &disk) == 0)
   {
     const double room = static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize);
     if (room < static_cast<double>(bytes))
@@ -193,8 +230,9 @@ void OutputFile::commit()
     throw Cancelled();
   if (inMemory_)
     return;
-  const int error =
-    makingOf(temporary_).part.take(path_, overwrite_ ? PartFile::Existing::goes : PartFile::Existing::stays);
+  const int error = isStandardOutput(path_)
+    ? sendOut(temporary_)
+    : makingOf(temporary_).part.take(path_, overwrite_ ? PartFile::Existing::goes : PartFile::Existing::stays);
   if (error == EEXIST && !overwrite_)
   {
     throw OutputError(quoted(path_) + " exists already: it was made while this ran",
@@ -207,6 +245,28 @@ void OutputFile::commit()
   temporary_.clear();
 }
 
+bool OutputFile::isStandardOutput(const fs::path& path)
+{
+  return outputAllowed && path.native().starts_with("-.") && !path.has_parent_path();
+}
+
+void OutputFile::allowStandardOutput() noexcept
+{
+  outputAllowed = true;
+}
+
+bool OutputFile::usesStandardOutput() noexcept
+{
+  return outputUsed;
+}
+
+fs::path OutputFile::temporaryFolder()
+{
+  std::error_code missing;
+  const fs::path folder = fs::temp_directory_path(missing);
+  return missing ? fs::path("/tmp") : folder;
+}
+
 void OutputFile::removeAll() noexcept
 {
   PartFile::removeAll();
@@ -214,6 +274,8 @@ void OutputFile::removeAll() noexcept
 
 fs::path withSuffix(const fs::path& path, const std::string& suffix)
 {
+  if (OutputFile::isStandardOutput(path))
+    return path;
   return path.parent_path() / (path.stem().string() + suffix + path.extension().string());
 }
 

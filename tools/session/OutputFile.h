@@ -39,6 +39,16 @@ public:
   /// Where to write: in the same folder, with the same ending.
   [[nodiscard]] const std::filesystem::path& temporary() const noexcept { return temporary_; }
 
+  /// "-" with the ending of what is written, such as "-.vti": standard output, in a program that allows it. What would
+  /// lie beside it ("-.csv.json") is not written. It is made as a file, in the folder for temporary ones, and sent out
+  /// by commit(), whole.
+  [[nodiscard]] static bool isStandardOutput(const std::filesystem::path& path);
+  static void allowStandardOutput() noexcept;
+  /// Whether some result goes there.
+  [[nodiscard]] static bool usesStandardOutput() noexcept;
+  /// What TMPDIR names, or /tmp.
+  [[nodiscard]] static std::filesystem::path temporaryFolder();
+
   /// Whether it stands for data of a scene (Workspace.h): then nothing touches the disk.
   [[nodiscard]] bool inMemory() const noexcept { return inMemory_; }
 
@@ -73,7 +83,8 @@ private:
   bool inMemory_ = false;
 };
 
-/// The path with a word before its ending: out.vti → out_x.vti
+/// The path with a word before its ending: out.vti → out_x.vti; standard output stays what it is, so that the second of
+/// several results is refused.
 [[nodiscard]] std::filesystem::path withSuffix(const std::filesystem::path& path, const std::string& suffix);
 
 } // namespace lamella::cli

@@ -37,6 +37,12 @@ namespace
 
 volatile std::sig_atomic_t caught = 0;
 
+std::string& inputPath()
+{
+  static std::string path;
+  return path;
+}
+
 /// How far the one run of this process is, as progress() was told last.
 struct Progress
 {
@@ -227,7 +233,7 @@ void printError(const std::exception& error)
   std::string text = "error: " + message + "\n";
   if (!hint.empty())
     text += "hint: " + hint + "\n";
-  std::fputs(text.c_str(), stderr);
+  std::fputs(Session::named(text).c_str(), stderr);
 }
 
 namespace
@@ -297,7 +303,7 @@ void Session::note(const std::string& text)
   if (!outside_ && root() && !quiet_)
   {
     endProgress();
-    std::fputs(("note: " + text + "\n").c_str(), stderr);
+    std::fputs(named("note: " + text + "\n").c_str(), stderr);
   }
 }
 
@@ -310,7 +316,7 @@ void Session::warn(const std::string& text)
   else if (root())
   {
     endProgress();
-    std::fputs(("warning: " + text + "\n").c_str(), stderr);
+    std::fputs(named("warning: " + text + "\n").c_str(), stderr);
   }
 }
 
@@ -398,13 +404,27 @@ bool Session::waitForAll()
   return all != 0;
 }
 
+void Session::callInput(const std::string& path)
+{
+  inputPath() = path;
+}
+
+std::string Session::named(std::string text)
+{
+  const std::string& path = inputPath();
+  for (std::size_t at = 0; !path.empty() && (at = text.find(path, at)) != std::string::npos; ++at)
+    text.erase(at, path.size()).insert(at, 1, '-');
+  return text;
+}
+
 void Session::print(const std::string& text) const
 {
   if (outside_)
   {
     printed_ += text;
   }
-  else if (root() && (std::fputs(text.c_str(), stdout) < 0 || std::fflush(stdout) != 0))
+  else if (FILE* const to = OutputFile::usesStandardOutput() ? stderr : stdout;
+           root() && (std::fputs(named(text).c_str(), to) < 0 || std::fflush(to) != 0))
   {
     throw OutputError(std::string("cannot write the result to standard output: ") + std::strerror(errno),
       "make room on the disk, or send it elsewhere");

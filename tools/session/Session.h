@@ -113,7 +113,12 @@ public:
   /// The same where another rank tells what went wrong.
   int fail(const FailedElsewhere& error);
 
-  /// Standard output, rank 0 only; whole or an error. @throws OutputError when it cannot be written (a full disk)
+  /// Text calls the file that keeps standard input "-".
+  static void callInput(const std::string& path);
+  [[nodiscard]] static std::string named(std::string text);
+
+  /// Standard output, rank 0 only, or standard error where standard output has a result; whole or an error. @throws
+  /// OutputError when it cannot be written (a full disk)
   void print(const std::string& text) const;
 
   /// Progress: a bar on a terminal, nothing in a pipe. Draws at most ten times a second.

@@ -41,6 +41,9 @@ std::string commandOf(const cli::ConversionWords& words)
   add("--type", words.type);
   add("--range", words.range ? fmt::format("{}", fmt::join(*words.range, ",")) : "");
   const lamella::micrograph::ReadOptions& read = words.raw.read;
+  for (const std::string& name : words.phases)
+    add("--phase", name);
+  add("--smooth", words.smoothing > 0 ? std::to_string(words.smoothing) : "");
   add("--pixel-size", read.pixelSize ? fmt::format("{}", *read.pixelSize) : "");
   add("--raw-size", read.rawSize ? fmt::format("{}", fmt::join(*read.rawSize, ",")) : "");
   add("--raw-bits", read.rawBits ? std::to_string(*read.rawBits) : "");
@@ -119,6 +122,18 @@ void vtkFileConverter::ClearArrays()
   this->Modified();
 }
 
+void vtkFileConverter::AddPhase(const std::string& name)
+{
+  this->Phases.push_back(name);
+  this->Modified();
+}
+
+void vtkFileConverter::ClearPhases()
+{
+  this->Phases.clear();
+  this->Modified();
+}
+
 lamella::cli::ConversionWords vtkFileConverter::GetWords() const
 {
   cli::ConversionWords words;
@@ -139,6 +154,8 @@ lamella::cli::ConversionWords vtkFileConverter::GetWords() const
   words.type = this->NumberType;
   if (this->Range[0] != 0 || this->Range[1] != 0)
     words.range = { this->Range[0], this->Range[1] };
+  words.phases = this->Phases;
+  words.smoothing = this->Smoothing;
   words.lossy = this->Lossy;
   words.overwrite = this->Overwrite;
   return words;

@@ -102,6 +102,25 @@ public:
    */
   vtkSwitchMacro(Lossy);
 
+  ///@{
+  /**
+   * Of a volume: write the closed surface of this phase, its name or its value; of several that of their union. None:
+   * the volume.
+   * @group Surface
+   * @columns Phase
+   */
+  void AddPhase(const std::string& name);
+  void ClearPhases();
+  ///@}
+
+  /**
+   * Iterations of a windowed sinc filter that smooth the surface, such as 20. 0: as it is.
+   * @word smooth
+   * @group Surface
+   * @range [0, inf)
+   */
+  vtkSettingMacro(Smoothing, int);
+
   /** Replace files that exist. */
   vtkSwitchMacro(Overwrite);
 
@@ -163,6 +182,8 @@ private:
   std::string RawType;
   std::string RawOrder;
   std::vector<std::string> Arrays;
+  std::vector<std::string> Phases;
+  int Smoothing = 0;
   int Step = -1;
   bool Lossy = false;
   bool Overwrite = false;

@@ -48,6 +48,7 @@ def _run(converter, progress):
 
 
 _NAMES = ("source", "path")  # parameters of the functions themselves
+_SURFACE = ("phase", "smooth")
 _RAW = ("pixel_size", "raw_size", "raw_bits", "raw_header", "raw_type", "raw_order")
 
 
@@ -62,7 +63,7 @@ def convert(source: Path, path: Path, settings: Settings, progress: Progress | N
     return _write(_converter(source, settings), path, progress)
 
 
-@declared(vtkFileConverter, first=("array", "step", "lossy"), without=(*_NAMES, "type", "range", "overwrite"))
+@declared(vtkFileConverter, first=("array", "step", "lossy"), without=(*_NAMES, *_SURFACE, "type", "range", "overwrite"))
 def read(path: Path, settings: Settings, progress: Progress | None = None) -> vtkDataObject:
     """Reads a file of any format of ``lamella convert`` into a vtkImageData, vtkPolyData, vtkUnstructuredGrid or vtkTable.
 
@@ -77,7 +78,7 @@ def read(path: Path, settings: Settings, progress: Progress | None = None) -> vt
     return converter.GetOutput()
 
 
-@declared(vtkFileConverter, first=("array", "lossy"), without=(*_NAMES, *_RAW, "step", "type", "range", "overwrite"))
+@declared(vtkFileConverter, first=("array", "lossy"), without=(*_NAMES, *_RAW, *_SURFACE, "step", "type", "range", "overwrite"))
 def read_steps(path: Path, settings: Settings, progress: Progress | None = None) -> Iterator[tuple[float, vtkDataObject]]:
     """Reads a series step by step, one in memory at a time: ``for time, data in lamella.read_steps("run.pvd")``.
 
