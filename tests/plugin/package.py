@@ -201,7 +201,7 @@ class Micrographs(unittest.TestCase):
         self.assertLess(len(fewer), len(found))
         with self.assertRaisesRegex(lamella.LamellaError, "'stone' is no phase") as caught:
             lamella.contours(self.tissue, lumen="stone")
-        self.assertIn("lumen, wall", caught.exception.hint)
+        self.assertIn("'lumen' and 'wall'", caught.exception.hint)
 
     def test_arrays(self):
         y, x = np.mgrid[:60, :80]

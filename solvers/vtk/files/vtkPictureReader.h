@@ -197,7 +197,7 @@ public:
   vtkSettingMacro(Rim, double);
 
   /**
-   * Of a scan: gaps in rays so many times longer than wide become wall. 0: none.
+   * Of a scan: gaps in rays whose length over their width (a ratio) is larger become wall. 0: none.
    * @group Scan
    * @range [0, inf)
    * @when Segment

@@ -44,7 +44,7 @@ def _run(converter, progress):
     except LamellaError as error:
         if " exists already" in error.message:
             raise FileExistsError(f"{error.message}; {_in_words_of_python(error.hint)}") from None
-        raise LamellaError(_in_words_of_python(error.message), _in_words_of_python(error.hint)) from None
+        raise type(error)(_in_words_of_python(error.message), _in_words_of_python(error.hint)) from None
 
 
 _NAMES = ("source", "path")  # parameters of the functions themselves
