@@ -174,6 +174,11 @@ std::string markdown(std::string_view text)
   return html.get();
 }
 
+std::string literal(const std::string& text)
+{
+  return "`" + text + "`";
+}
+
 std::string markdownLine(std::string_view text)
 {
   std::string html = markdown(text);
