@@ -32,6 +32,7 @@ size = [400, 300]
 [measure]
 conductivity = "diffusion.effective.x"
 nodes = "diffusion.nodes"
+wall = "sample.phases.wall.fraction"
 """
 
 
@@ -105,17 +106,18 @@ class Report(Case):
     def test_a_sweep(self):
         said, page = self.sweep(SWEEP)
         self.assertEqual(said["title"], "Heat <through> softwood")
-        # two keys are charted, three seeds averaged over; every sample has its picture
-        self.assertEqual((said["charts"], said["pictures"]), (2, 18))
+        # conductivity over two keys and wall over one, three seeds averaged over; every sample has its picture
+        self.assertEqual((said["charts"], said["pictures"]), (3, 18))
         self.assertLess(said["bytes"], 5e6)
         self.in_order(
-            page, "Heat <through> softwood", "18 samples. Swept:", "sample.solid-fraction : 0.3 , 0.4 , 0.5", "sample.seed : 1 , 2 , 3 , averaged over",
-            "diffusion.conductivity.lumen : 0.02 , 0.2", "The same in all samples: nodes 2304", "conductivity.lumen 0.02", "conductivity.lumen 0.2",
+            page, "Heat <through> softwood", "18 samples. Swept:", "sample.solid-fraction : 0.3, 0.4, 0.5", "sample.seed : 1, 2, 3, averaged over",
+            "diffusion.conductivity.lumen : 0.02, 0.2", "The same in all samples: nodes 2304", "conductivity.lumen 0.02", "conductivity.lumen 0.2",
             "conductivity over sample.solid-fraction . Means of 3 samples, over sample.seed ; bars: standard deviation of a sample.",
-            "conductivity over diffusion.conductivity.lumen", "Pictures", "heat", "solid-fraction 0.3, seed 1, conductivity.lumen 0.02",
+            "conductivity over diffusion.conductivity.lumen", "It does not depend on sample.seed and diffusion.conductivity.lumen .",
+            "wall over sample.solid-fraction . One sample each.", "Pictures", "heat", "solid-fraction 0.3, seed 1, conductivity.lumen 0.02",
             "solid-fraction 0.5, seed 3, conductivity.lumen 0.2", "settings.csv : mean ± standard deviation of a sample", "Scene", "[diffusion]",
             "18 samples, one after the other")
-        self.assertIn('<div class="grid c2">', page.source, "as many columns as the key that changes fastest has values")
+        self.assertIn('<div class="grid c4">', page.source, "two pairs of the key that changes fastest")
         # a bar in each place: three solid fractions of two series, and the other way round
         self.assertEqual(len(re.findall(r"H[\d.]+M[\d.]+ [\d.]+V[\d.]+M", page.source)), 12)
 

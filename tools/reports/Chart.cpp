@@ -111,9 +111,11 @@ struct Place
   double right = 24;
   double top = 14;
   double bottom = 52;
+  double tall = height;
+  double labelAt = 16; ///< of y
 
   [[nodiscard]] double wide() const { return width - left - right; }
-  [[nodiscard]] double floor() const { return height - bottom; }
+  [[nodiscard]] double floor() const { return tall - bottom; }
   [[nodiscard]] double atX(double value) const { return left + x.share(value) * wide(); }
   [[nodiscard]] double atY(double value) const { return floor() - y.share(value) * (floor() - top); }
   [[nodiscard]] bool shows(double valueX, double valueY) const { return x.shows(valueX) && y.shows(valueY); }
@@ -141,20 +143,35 @@ std::string raised(int power)
   return text;
 }
 
+/// Begin and length of the unit in "stress [Pa]"; npos where there is none.
+std::pair<std::size_t, std::size_t> unitIn(const std::string& label)
+{
+  const std::size_t open = label.ends_with("]") ? label.rfind(" [") : std::string::npos;
+  return open == std::string::npos ? std::pair(open, open) : std::pair(open + 2, label.size() - open - 3);
+}
+
+/// Units that take mega, milli and the like.
+bool takesPrefix(const std::string& label)
+{
+  constexpr std::array<const char*, 5> known{ "Pa", "m", "s", "J", "N" };
+  const auto [begin, length] = unitIn(label);
+  return begin != std::string::npos &&
+    std::find(known.begin(), known.end(), label.substr(begin, length)) != known.end();
+}
+
 /// "stress [Pa]" of numbers that were divided by a power of ten: stress [MPa]; of others [10⁶ N/m].
 std::string inPowers(const std::string& label, int power)
 {
   if (power == 0)
     return label;
-  const std::size_t open = label.ends_with("]") ? label.rfind(" [") : std::string::npos;
-  if (open == std::string::npos)
+  const auto [begin, length] = unitIn(label);
+  if (begin == std::string::npos)
     return fmt::format("{} [10{}]", label, raised(power));
-  const std::string unit = label.substr(open + 2, label.size() - open - 3);
   constexpr std::array<const char*, 7> prefixes{ "n", "µ", "m", "", "k", "M", "G" };
-  constexpr std::array<const char*, 5> simple{ "Pa", "m", "s", "J", "N" };
-  const bool named = std::abs(power) <= 9 && std::find(simple.begin(), simple.end(), unit) != simple.end();
-  return fmt::format("{} [{}{}]", label.substr(0, open),
-    named ? prefixes[static_cast<std::size_t>(power / 3 + 3)] : "10" + raised(power) + " ", unit);
+  std::string scaled = label;
+  return scaled.insert(begin,
+    takesPrefix(label) && std::abs(power) <= 9 ? prefixes[static_cast<std::size_t>(power / 3 + 3)]
+                                               : "10" + raised(power) + " ");
 }
 
 /// What stands beside the ticks. @param label gets the power of ten that large and small numbers are divided by
@@ -167,7 +184,7 @@ std::vector<std::string> tickTexts(const Axis& axis, const std::vector<double>& 
     std::transform(ticks.begin(), ticks.end(), std::back_inserter(texts), numberText);
     return texts;
   }
-  const bool plain = largest < 1e5 && largest >= 0.01;
+  const bool plain = takesPrefix(label) ? largest < 1e3 && largest >= 0.1 : largest < 1e5 && largest >= 0.01;
   const int power = plain ? 0 : 3 * static_cast<int>(std::floor(std::log10(largest) / 3 + 1e-9));
   label = inPowers(label, power);
   const double unit = std::pow(10.0, power);
@@ -205,7 +222,10 @@ Place placeOf(const Chart& chart, const Axis& x, const Axis& y)
     if (place.slanted)
     {
       place.bottom += 0.6 * length;
-      place.left = std::max(place.left, 0.82 * length); // of the first word
+      place.tall += 0.6 * length;
+      const double more = std::max(0.0, 0.82 * length - place.left); // for the first word
+      place.left += more;
+      place.labelAt += more;
     }
     return place;
   }
@@ -251,9 +271,9 @@ void drawAxes(std::string& out, const Place& place)
     place.top, floor, width - place.right);
   const auto fitting = [](double room) { return static_cast<std::size_t>(room / letter); };
   fmt::format_to(to, "<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"middle\">{}</text>\n",
-    place.left + place.wide() / 2, height - 12, escaped(shortened(place.labelX, fitting(place.wide()))));
-  fmt::format_to(to, "<text transform=\"translate(16 {:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-    (place.top + floor) / 2, escaped(shortened(place.labelY, fitting(floor))));
+    place.left + place.wide() / 2, place.tall - 12, escaped(shortened(place.labelX, fitting(place.wide()))));
+  fmt::format_to(to, "<text transform=\"translate({:.0f} {:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
+    place.labelAt, (place.top + floor) / 2, escaped(shortened(place.labelY, fitting(floor))));
 }
 
 /// How a curve of several is drawn.
@@ -311,21 +331,19 @@ void drawCurve(std::string& out, const Curve& curve, const Pen& pen, const Place
   }
 }
 
-/// Names in rows below the axes. @returns the height that they take
+/// Names in rows and columns below the axes. @returns the height that they take
 double drawNames(std::string& out, const std::vector<Curve>& curves, const Place& place, bool lines)
 {
+  std::vector<std::string> names;
+  for (const Curve& curve : curves)
+    names.push_back(shortened(curve.name, longest));
+  const double wide = 44 + letter * static_cast<double>(mostLetters(names));
+  const auto columns = static_cast<std::size_t>(std::max(1.0, (width - place.left + 16) / wide));
   auto to = std::back_inserter(out);
-  double x = place.left;
-  double y = height + 10;
-  for (std::size_t i = 0; i < curves.size(); ++i)
+  for (std::size_t i = 0; i < names.size(); ++i)
   {
-    const std::string name = shortened(curves[i].name, longest);
-    const double length = 44 + letter * static_cast<double>(letters(name));
-    if (x > place.left && x + length > width)
-    {
-      x = place.left;
-      y += lineHeight;
-    }
+    const double x = place.left + wide * static_cast<double>(i % columns);
+    const double y = place.tall + 10 + lineHeight * static_cast<double>(i / columns);
     if (lines)
     {
       fmt::format_to(
@@ -333,12 +351,11 @@ double drawNames(std::string& out, const std::vector<Curve>& curves, const Place
     }
     else
     {
-      fmt::format_to(to, "<circle cx=\"{:.0f}\" cy=\"{:.0f}\" r=\"4\" fill=\"{}\"/>", x + 18, y - 4, colour(i));
+      fmt::format_to(to, "<circle cx=\"{:.0f}\" cy=\"{:.0f}\" r=\"4\" fill=\"{}\"/>", x + 14, y - 4, colour(i));
     }
-    fmt::format_to(to, "<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n", x + 28, y, escaped(name));
-    x += length;
+    fmt::format_to(to, "<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n", x + 28, y, escaped(names[i]));
   }
-  return y + 10 - height;
+  return 20 + lineHeight * static_cast<double>((names.size() - 1) / columns);
 }
 
 } // namespace
@@ -454,8 +471,10 @@ std::string svg(const Chart& chart)
   std::size_t bars = 0;
   for (const Curve& curve : curves)
     bars += curve.error.size();
-  const double slot = chart.kinds.empty() ? 0 : place.wide() / static_cast<double>(chart.kinds.size());
-  const double apart = std::min(14.0, 0.7 * slot / static_cast<double>(curves.size()));
+  const double apart = !chart.kinds.empty()
+    ? std::min(14.0, 0.7 * place.wide() / static_cast<double>(chart.kinds.size() * curves.size()))
+    : chart.apart ? 3.0
+                  : 0.0;
   for (std::size_t i = 0; i < curves.size(); ++i)
   {
     const Pen pen{ i, apart * (static_cast<double>(i) - 0.5 * static_cast<double>(curves.size() - 1)),
@@ -466,7 +485,7 @@ std::string svg(const Chart& chart)
   const double names = named ? drawNames(inside, curves, place, chart.kinds.empty()) : 0;
   return fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\" font-size=\"13\" "
                      "fill=\"currentColor\">\n{}</svg>\n",
-    width, height + names, escaped(chart.words), inside);
+    width, place.tall + names, escaped(chart.words), inside);
 }
 
 } // namespace lamella::reports

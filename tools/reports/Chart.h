@@ -24,8 +24,9 @@ struct Chart
   bool points = false; ///< marks beside the lines; few points get them in any case
   std::string words;   ///< what is to be seen, for those who do not see it
   std::vector<Curve> curves;
-  std::vector<std::string>
-    kinds{}; ///< words along x, where x of the curves is their number, from 0: marks, and no lines
+  /// Words along x, where x of the curves is their number, from 0. Then there are marks and no lines.
+  std::vector<std::string> kinds{};
+  bool apart = false; ///< curves stand a few pixels apart, so that bars do not hide each other
 };
 
 /// A number beside a tick or in a name: 0.25, 8 × 10⁷.

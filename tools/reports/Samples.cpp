@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 #include <set>
 #include <utility>
 
@@ -38,9 +39,14 @@ Samples::Samples(const fs::path& folder)
     if (key.values.size() > 1)
       keys_.push_back(std::move(key));
   }
-  if (std::ranges::all_of(keys_, &SweptKey::averaged)) // nothing to show means over
-    std::ranges::for_each(
-      keys_, [](SweptKey& key) { key.averaged = false; });
+  if (std::ranges::all_of(keys_, &SweptKey::averaged)) // nothing to show means over: the samples themselves, in a row
+  {
+    for (SweptKey& key : keys_)
+    {
+      key.averaged = key.numbers = false;
+      std::iota(key.coordinates.begin(), key.coordinates.end(), 0.0);
+    }
+  }
   const auto inner = [](const SweptKey& key) { return key.path.substr(key.path.find('.') + 1); };
   for (SweptKey& key : keys_)
     key.name = std::ranges::count(keys_, inner(key), inner) > 1 ? key.path : inner(key);
@@ -75,6 +81,19 @@ std::string Samples::caption(std::size_t row) const
   for (const SweptKey& key : keys_)
     text += (text.empty() ? "" : ", ") + key.text(key.ofRow[row]);
   return text;
+}
+
+std::vector<std::string> Samples::captions(const std::vector<std::size_t>& rows) const
+{
+  std::vector<std::string> texts(rows.size());
+  for (const SweptKey& key : keys_)
+  {
+    const bool same =
+      std::ranges::all_of(rows, [&](std::size_t row) { return key.ofRow[row] == key.ofRow[rows.front()]; });
+    for (std::size_t i = 0; i < rows.size() && !same; ++i)
+      texts[i] += (texts[i].empty() ? "" : ", ") + key.text(key.ofRow[rows[i]]);
+  }
+  return texts;
 }
 
 std::vector<std::size_t> Samples::some(std::size_t most) const

@@ -42,6 +42,8 @@ public:
   [[nodiscard]] bool failed(std::size_t row) const { return table_.text(row, status_) == "failed"; }
   /// "solid-fraction 0.3, seed 2"
   [[nodiscard]] std::string caption(std::size_t row) const;
+  /// The same of these rows, without what is the same in all of them.
+  [[nodiscard]] std::vector<std::string> captions(const std::vector<std::size_t>& rows) const;
   /// Rows, all of them; of more than `most` as many whole sets of settings as there is room for, or settings evenly
   /// taken.
   [[nodiscard]] std::vector<std::size_t> some(std::size_t most) const;

@@ -46,8 +46,9 @@ figcaption { margin-top: 0.35rem; }
 .c4 { grid-template-columns: repeat(4, minmax(0, 1fr)); }
 .c5 { grid-template-columns: repeat(5, minmax(0, 1fr)); }
 .c6 { grid-template-columns: repeat(6, minmax(0, 1fr)); }
+@media (max-width: 40rem) { .grid { grid-template-columns: repeat(2, minmax(0, 1fr)); } }
 .grid figure { margin: 0; }
-.grid img { width: 100%; padding: 0; }
+.grid img { width: 100%; max-height: 22rem; object-fit: contain; padding: 0; }
 .missing { border: 1px dashed var(--warn); color: var(--warn); background: var(--warnfill); padding: 0.6rem 0.9rem; margin: 1rem 0; }
 .problems { border: 1px solid var(--warn); background: var(--warnfill); padding: 0.4rem 1rem; margin: 1rem 0; }
 .discussion { border-left: 3px solid var(--line); padding-left: 1rem; margin: 1rem 0; }

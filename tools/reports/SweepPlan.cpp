@@ -10,6 +10,7 @@
 #include <array>
 #include <cctype>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
 #include <numeric>
@@ -31,6 +32,8 @@ constexpr std::size_t mostCells = 300; // pictures of a page
 constexpr std::size_t mostGrids = 12;  //
 constexpr std::size_t shownValues = 8; // of a key
 constexpr std::size_t shownNames = 20; // of measures that do not change
+constexpr double lowPart = 0.25;       // of the largest number, below which their median lies then
+constexpr double roundOff = 1e-12;     // of numbers that are the same, relative
 constexpr double widely = 30;          // the largest over the least number on a logarithmic axis, at least
 
 /// The error of a measure that its command tells, where the scene measures that too.
@@ -88,11 +91,12 @@ std::pair<double, double> meanAndDeviation(const std::vector<double>& values)
   return { sum / count, count > 1 ? std::sqrt(squares / (count - 1)) : std::numeric_limits<double>::quiet_NaN() };
 }
 
-/// Whether numbers are told apart on a logarithmic axis alone.
-bool spreads(const std::vector<double>& values)
+/// Whether most numbers lie together at the low end, where a logarithmic axis alone tells them apart.
+bool spreads(std::vector<double> values)
 {
-  const auto [low, high] = std::ranges::minmax(values);
-  return values.size() > 2 && low > 0 && high / low >= widely;
+  std::ranges::sort(values);
+  return values.size() > 2 && values.front() > 0 && values.back() / values.front() >= widely &&
+    values[values.size() / 2] < lowPart * values.back();
 }
 
 /// "`a` and `b`"
@@ -102,6 +106,58 @@ std::string listed(const std::vector<std::string>& names)
   for (std::size_t i = 0; i < names.size(); ++i)
     text += (i == 0 ? "" : i + 1 == names.size() ? " and " : ", ") + literal(names[i]);
   return text;
+}
+
+std::vector<std::string> pathsOf(const std::vector<const SweptKey*>& keys)
+{
+  std::vector<std::string> paths;
+  std::ranges::transform(keys, std::back_inserter(paths), &SweptKey::path);
+  return paths;
+}
+
+/// A measure of the samples, without keys that it does not depend on.
+struct Measure
+{
+  std::size_t column = 0;
+  std::vector<const SweptKey*> keys;
+  std::vector<const SweptKey*> idle;
+  std::vector<std::size_t> rows; ///< one of those that differ in idle keys alone; where there is a number
+};
+
+Measure measureOf(const Samples& samples, std::size_t column)
+{
+  Measure measure{ column, {}, {}, {} };
+  const std::vector<double> values = samples.table().numbers(column);
+  const auto settingOf = [&](std::size_t row, const auto& counts)
+  {
+    std::vector<std::size_t> setting;
+    for (const SweptKey& key : samples.keys())
+      if (counts(key))
+        setting.push_back(key.ofRow[row]);
+    return setting;
+  };
+  for (const SweptKey& key : samples.keys())
+  {
+    std::map<std::vector<std::size_t>, double> known;
+    bool matters = false;
+    bool compared = false;
+    for (std::size_t row = 0; row < values.size() && !matters; ++row)
+    {
+      if (!std::isfinite(values[row]))
+        continue;
+      const auto [at, added] =
+        known.try_emplace(settingOf(row, [&](const SweptKey& other) { return &other != &key; }), values[row]);
+      compared = compared || !added;
+      matters = std::abs(values[row] - at->second) > roundOff * std::abs(at->second);
+    }
+    (matters || !compared ? measure.keys : measure.idle).push_back(&key);
+  }
+  const auto counts = [&](const SweptKey& key) { return std::ranges::find(measure.keys, &key) != measure.keys.end(); };
+  std::set<std::vector<std::size_t>> known;
+  for (std::size_t row = 0; row < values.size(); ++row)
+    if (std::isfinite(values[row]) && known.insert(settingOf(row, counts)).second)
+      measure.rows.push_back(row);
+  return measure;
 }
 
 /// What is in one place of a chart.
@@ -120,30 +176,29 @@ struct Grouped
 };
 
 /// What other keys are is told apart by curves, as far as there are colours.
-Grouped grouped(const Samples& samples, std::size_t measure, const SweptKey& key, const std::optional<ToldError>& told)
+Grouped grouped(
+  const Samples& samples, const Measure& measure, const SweptKey& key, const std::optional<ToldError>& told)
 {
   Grouped found;
   std::vector<const SweptKey*> apart;
   std::size_t series = 1;
-  for (const SweptKey& other : samples.keys())
+  for (const SweptKey* const other : measure.keys)
   {
-    const bool fits = !other.averaged && series * other.values.size() <= mostSeries;
-    if (&other == &key)
+    const bool fits = !other->averaged && series * other->values.size() <= mostSeries;
+    if (other == &key)
       continue;
     if (!fits)
     {
-      found.over.push_back(other.path);
+      found.over.push_back(other->path);
       continue;
     }
-    series *= other.values.size();
-    apart.push_back(&other);
+    series *= other->values.size();
+    apart.push_back(other);
   }
   std::map<std::string, std::size_t> known;
-  const std::vector<double> values = samples.table().numbers(measure);
-  for (std::size_t row = 0; row < values.size(); ++row)
+  const std::vector<double> values = samples.table().numbers(measure.column);
+  for (const std::size_t row : measure.rows)
   {
-    if (!std::isfinite(values[row]))
-      continue;
     std::string name;
     for (const SweptKey* const one : apart)
       name += (name.empty() ? "" : ", ") + one->text(one->ofRow[row]);
@@ -162,10 +217,10 @@ Grouped grouped(const Samples& samples, std::size_t measure, const SweptKey& key
 }
 
 /// Means of a measure over a key, with bars. Nothing where there is no number.
-std::optional<ChartPlan> chartOf(const Samples& samples, std::size_t measure, const SweptKey& key)
+std::optional<ChartPlan> chartOf(const Samples& samples, const Measure& measure, const SweptKey& key)
 {
   const DataTable& table = samples.table();
-  const std::string& name = table.names()[measure];
+  const std::string& name = table.names()[measure.column];
   const std::optional<ToldError> told = toldError(table, name);
   const Grouped found = grouped(samples, measure, key, told);
   std::vector<std::size_t> counts;
@@ -198,6 +253,7 @@ std::optional<ChartPlan> chartOf(const Samples& samples, std::size_t measure, co
     }
     chart.curves.push_back(std::move(curve));
   }
+  chart.apart = bars && key.numbers && chart.curves.size() > 1;
   chart.logX = key.numbers && spreads(key.coordinates);
   chart.logY = spreads(means);
   plan.caption = fmt::format("{} over {}. ", literal(name), literal(key.path));
@@ -211,6 +267,7 @@ std::optional<ChartPlan> chartOf(const Samples& samples, std::size_t measure, co
     plan.caption += "One sample each";
     plan.caption += bars ? "; bars: its error as the command tells it, " + literal(told->column) + "." : ".";
   }
+  plan.caption += chart.apart ? " Curves stand a few pixels apart." : "";
   return plan;
 }
 
@@ -241,20 +298,23 @@ SectionPlan chartsOf(const Samples& samples)
     one.title = name;
     if (const std::string meaning = table.meaning(name); meaning != name)
       one.text = literal(meaning);
-    for (const SweptKey& key : samples.keys())
+    const Measure of = measureOf(samples, measure);
+    for (const SweptKey* const key : of.keys)
     {
-      if (key.averaged)
+      if (key->averaged)
         continue;
       if (charts >= mostCharts)
       {
         ++leftOut;
       }
-      else if (auto chart = chartOf(samples, measure, key))
+      else if (auto chart = chartOf(samples, of, *key))
       {
         ++charts;
         one.charts.push_back(std::move(*chart));
       }
     }
+    if (const std::vector<std::string> idle = pathsOf(of.idle); !idle.empty())
+      one.text += (one.text.empty() ? "" : ". ") + std::string("It does not depend on ") + listed(idle) + ".";
     if (!one.charts.empty())
       section.sections.push_back(std::move(one));
   }
@@ -321,10 +381,12 @@ SectionPlan sampleCurvesOf(const fs::path& path, const Found& found, const Sampl
   std::vector<std::string> others;
   for (const auto& [name, kind] : bySample(found.tables, others))
   {
-    std::map<std::string, ChartPlan> charts; // by the column that is drawn
-    for (const std::size_t row : samples.some(mostSeries))
+    std::map<std::size_t, ChartPlan> charts; // by the column that is drawn
+    const std::vector<std::size_t> rows = samples.some(mostSeries);
+    const std::vector<std::string> captions = samples.captions(rows);
+    for (std::size_t i = 0; i < rows.size(); ++i)
     {
-      const auto file = kind.files.find(samples.folderOf(row));
+      const auto file = kind.files.find(samples.folderOf(rows[i]));
       if (file == kind.files.end() || section.charts.size() >= mostCharts)
         continue;
       try
@@ -339,14 +401,14 @@ SectionPlan sampleCurvesOf(const fs::path& path, const Found& found, const Sampl
           if (!table.isNumeric(column))
             continue;
           const std::string& yName = table.names()[column];
-          ChartPlan& plan = charts[yName];
+          ChartPlan& plan = charts[column];
           plan.chart.xLabel = table.label(xName);
           plan.chart.yLabel = table.label(yName);
           plan.chart.words = yName + " over " + xName;
           plan.caption = literal(name + ".csv") + ": " + literal(yName) + " over " + literal(xName) +
             (kind.files.size() > mostSeries ? fmt::format(", of up to {} of {} samples", mostSeries, kind.files.size())
                                             : "");
-          plan.chart.curves.push_back({ samples.caption(row), x, table.numbers(column), {} });
+          plan.chart.curves.push_back({ captions[i], x, table.numbers(column), {} });
         }
       }
       catch (const Error&) // NOLINT(bugprone-empty-catch): curves that are there are shown
@@ -388,8 +450,8 @@ SectionPlan picturesOf(const Found& found, const std::optional<Samples>& samples
         if (!samples->keys().empty())
           last.insert(samples->keys().back().ofRow[row]);
       }
-      const std::size_t columns = std::max<std::size_t>(1, last.size());
-      grid.columns = columns <= 6 && rows.size() % columns == 0 && rows.size() > 1 ? columns : 0;
+      const std::size_t columns = last.size() < 3 ? 4 : last.size(); // two pairs side by side
+      grid.columns = columns <= 6 ? std::min(columns, rows.size()) : 0;
     }
     else
     {
@@ -481,15 +543,15 @@ std::string sceneText(const Found& found, const char* key)
 /// "0.3, 0.4, 0.5", or "1 to 100 (100 values)"
 std::string valuesText(const SweptKey& key)
 {
+  const std::string unit = key.unit.empty() ? "" : " " + key.unit;
+  const std::size_t count = key.values.size();
+  const std::string more = count <= shownValues ? "" : fmt::format(" ({} values)", count);
+  if (key.numbers && count > shownValues)
+    return fmt::format("{} to {}{}", key.values.front(), key.values.back(), unit + more);
   std::string text;
-  for (std::size_t i = 0; i < key.values.size() && key.values.size() <= shownValues; ++i)
-    text += (i > 0 ? ", " : "") + literal(key.values[i]);
-  if (key.values.size() > shownValues)
-  {
-    text =
-      fmt::format("{} to {} ({} values)", literal(key.values.front()), literal(key.values.back()), key.values.size());
-  }
-  return text + (key.unit.empty() ? "" : " " + key.unit);
+  for (std::size_t i = 0; i < std::min(count, shownValues); ++i)
+    text += (i > 0 ? ", " : "") + (key.numbers ? key.values[i] : literal(key.values[i]));
+  return text + unit + (more.empty() ? "" : ", …" + more);
 }
 
 std::string sweptText(const Samples& samples)
@@ -510,8 +572,19 @@ std::string sweptText(const Samples& samples)
 
 Plan planOfSweep(const fs::path& path, const Found& found)
 {
+  std::optional<Samples> samples;
+  try
+  {
+    samples.emplace(path);
+  }
+  catch (
+    const Error&) // NOLINT(bugprone-empty-catch): no table yet, or one of another kind; what is wrong, the page says
+  {
+  }
   Found rest = found;
   rest.pictures.clear();
+  if (samples)
+    rest.notes.clear(); // how many are finished
   std::erase_if(rest.tables, [](const std::string& file) { return isOfRun(file) || file.starts_with("samples/"); });
   Plan plan = planOf(path, rest);
   plan.scene = true;
@@ -520,20 +593,14 @@ Plan planOfSweep(const fs::path& path, const Found& found)
   const std::string file = fs::path(sceneText(found, "file")).stem().string();
   plan.title = !title.empty() ? title : !file.empty() ? file : plan.title;
   std::vector<SectionPlan> sections;
-  std::optional<Samples> samples;
-  try
+  if (samples)
   {
-    samples.emplace(path);
     plan.text = sweptText(*samples) + plan.text;
     sections.push_back(chartsOf(*samples));
     sections.push_back(sampleCurvesOf(path, found, *samples));
     for (std::size_t row = 0; row < samples->table().rows(); ++row)
       if (const std::string name = samples->caption(row); samples->failed(row) && !name.empty())
         plan.names[samples->folderOf(row) + "/failure.json"] = name;
-  }
-  catch (
-    const Error&) // NOLINT(bugprone-empty-catch): no table yet, or one of another kind; what is wrong, the page says
-  {
   }
   try
   {
