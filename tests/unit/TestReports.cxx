@@ -176,7 +176,7 @@ TEST(ReportChart, NumbersAlongAxesAreShort)
 {
   EXPECT_EQ(numberText(0.30000000000000004), "0.3");
   EXPECT_EQ(numberText(8e7), "8 × 10⁷");
-  EXPECT_EQ(numberText(-1e-9), "-1 × 10⁻⁹");
+  EXPECT_EQ(numberText(-1e-9), "−1 × 10⁻⁹");
   const auto drawn = [](const std::string& label, double scale)
   {
     return svg(

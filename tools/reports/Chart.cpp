@@ -190,7 +190,7 @@ std::vector<std::string> tickTexts(const Axis& axis, const std::vector<double>& 
   const double unit = std::pow(10.0, power);
   const int decimals = -static_cast<int>(std::floor(std::log10((ticks[1] - ticks[0]) / unit) + 1e-6));
   std::transform(ticks.begin(), ticks.end(), std::back_inserter(texts),
-    [&](double tick) { return fmt::format("{:.{}f}", tick / unit, std::clamp(decimals, 0, 12)); });
+    [&](double tick) { return withSign(fmt::format("{:.{}f}", tick / unit, std::clamp(decimals, 0, 12))); });
   return texts;
 }
 
@@ -363,11 +363,11 @@ double drawNames(std::string& out, const std::vector<Curve>& curves, const Place
 std::string numberText(double value)
 {
   if (value == 0 || (std::abs(value) < 1e5 && std::abs(value) >= 1e-3))
-    return fmt::format("{:.6g}", value);
+    return withSign(fmt::format("{:.6g}", value));
   const std::string text = fmt::format("{:.5e}", value);
   const std::size_t e = text.find('e');
   const std::string factor = fmt::format("{:.6g}", std::stod(text.substr(0, e)));
-  return (factor == "1" ? "" : factor + " × ") + "10" + raised(std::stoi(text.substr(e + 1)));
+  return (factor == "1" ? "" : withSign(factor) + " × ") + "10" + raised(std::stoi(text.substr(e + 1)));
 }
 
 std::vector<double> linearTicks(double low, double high, int count)

@@ -24,6 +24,9 @@ namespace lamella::reports
 /// markdown() of a single line: without a paragraph around it.
 [[nodiscard]] std::string markdownLine(std::string_view text);
 
+/// A number's text with a minus sign in place of a hyphen.
+[[nodiscard]] std::string withSign(std::string text);
+
 [[nodiscard]] std::string base64(std::span<const std::byte> bytes);
 
 /// How a number is rounded: to decimals, else to significant digits, else to four of these at most.
