@@ -173,9 +173,10 @@ E_error = "stiffness.constants.E_x.estimated_error"
         self.assertEqual(said["title"], evil)
         self.assertGreater(said["charts"], 0)
         self.page()
-        self.fill(table__csv__json={"provenance": [1], "columns": 3}, table__csv="sample,status\n\"")
-        self.run_lamella("report", "results", "--json", "--overwrite").json()
-        self.page()
+        for table in ('sample,status\n"', "sample,a.b,status,m\n", "sample,a.b,status,m\nx,nan,done,1\ny,1e308,done,inf\nz,-1e308,done,2\n", "sample,sample\n1"):
+            self.fill(table__csv__json={"provenance": [1], "columns": 3}, table__csv=table)
+            self.run_lamella("report", "results", "--json", "--overwrite").json()
+            self.page()
 
     def test_an_ordered_page(self):
         self.ordered(

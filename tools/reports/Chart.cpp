@@ -168,10 +168,10 @@ std::string inPowers(const std::string& label, int power)
   if (begin == std::string::npos)
     return fmt::format("{} [10{}]", label, raised(power));
   constexpr std::array<const char*, 7> prefixes{ "n", "µ", "m", "", "k", "M", "G" };
+  const int prefix = power / 3 + 3;
+  const bool named = takesPrefix(label) && std::abs(power) <= 9;
   std::string scaled = label;
-  return scaled.insert(begin,
-    takesPrefix(label) && std::abs(power) <= 9 ? prefixes[static_cast<std::size_t>(power / 3 + 3)]
-                                               : "10" + raised(power) + " ");
+  return scaled.insert(begin, named ? prefixes[static_cast<std::size_t>(prefix)] : "10" + raised(power) + " ");
 }
 
 /// What stands beside the ticks. @param label gets the power of ten that large and small numbers are divided by
@@ -335,15 +335,16 @@ void drawCurve(std::string& out, const Curve& curve, const Pen& pen, const Place
 double drawNames(std::string& out, const std::vector<Curve>& curves, const Place& place, bool lines)
 {
   std::vector<std::string> names;
-  for (const Curve& curve : curves)
-    names.push_back(shortened(curve.name, longest));
+  std::transform(curves.begin(), curves.end(), std::back_inserter(names),
+    [](const Curve& curve) { return shortened(curve.name, longest); });
   const double wide = 44 + letter * static_cast<double>(mostLetters(names));
   const auto columns = static_cast<std::size_t>(std::max(1.0, (width - place.left + 16) / wide));
   auto to = std::back_inserter(out);
   for (std::size_t i = 0; i < names.size(); ++i)
   {
+    const std::size_t row = i / columns;
     const double x = place.left + wide * static_cast<double>(i % columns);
-    const double y = place.tall + 10 + lineHeight * static_cast<double>(i / columns);
+    const double y = place.tall + 10 + lineHeight * static_cast<double>(row);
     if (lines)
     {
       fmt::format_to(
@@ -355,7 +356,8 @@ double drawNames(std::string& out, const std::vector<Curve>& curves, const Place
     }
     fmt::format_to(to, "<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n", x + 28, y, escaped(names[i]));
   }
-  return 20 + lineHeight * static_cast<double>((names.size() - 1) / columns);
+  const std::size_t rows = (names.size() + columns - 1) / columns;
+  return 1 + lineHeight * static_cast<double>(rows);
 }
 
 } // namespace

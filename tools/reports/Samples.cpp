@@ -4,6 +4,7 @@
 #include "reports/Folder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <numeric>
 #include <set>
@@ -58,7 +59,8 @@ Samples::Samples(const fs::path& folder)
 SweptKey Samples::keyOf(std::size_t column) const
 {
   const std::string& path = table_.names()[column];
-  SweptKey key{ path, "", table_.unit(path), table_.isNumeric(column) };
+  const bool numbers = std::ranges::all_of(table_.numbers(column), [](double one) { return std::isfinite(one); });
+  SweptKey key{ path, "", table_.unit(path), numbers };
   std::map<std::string, std::size_t> known;
   for (std::size_t row = 0; row < table_.rows(); ++row)
   {

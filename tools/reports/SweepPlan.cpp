@@ -70,7 +70,7 @@ std::optional<ToldError> toldError(const DataTable& table, const std::string& me
       continue;
     const std::string before = path.substr(0, at);
     const std::string behind = path.substr(at + std::string(pair.value).size());
-    if (auto found = told(before + pair.error + behind, pair.relative))
+    if (auto found = told(fmt::format("{}{}{}", before, pair.error, behind), pair.relative))
       return found;
     if (auto found = told(before + ".estimated_error", true); found && pair.relative) // the largest of all directions
       return found;
@@ -294,6 +294,11 @@ SectionPlan chartsOf(const Samples& samples)
       same.push_back(literal(name) + " " + numberText(low) + (unit.empty() ? "" : " " + unit));
       continue;
     }
+    if (charts >= mostCharts)
+    {
+      ++leftOut;
+      continue;
+    }
     SectionPlan one;
     one.title = name;
     if (const std::string meaning = table.meaning(name); meaning != name)
@@ -303,11 +308,7 @@ SectionPlan chartsOf(const Samples& samples)
     {
       if (key->averaged)
         continue;
-      if (charts >= mostCharts)
-      {
-        ++leftOut;
-      }
-      else if (auto chart = chartOf(samples, of, *key))
+      if (auto chart = chartOf(samples, of, *key))
       {
         ++charts;
         one.charts.push_back(std::move(*chart));
@@ -319,11 +320,7 @@ SectionPlan chartsOf(const Samples& samples)
       section.sections.push_back(std::move(one));
   }
   if (leftOut > 0)
-  {
-    section.text +=
-      fmt::format("{} of {} charts are shown, of the first measures; `[measure]` in the scene names others.\n\n",
-        charts, charts + leftOut);
-  }
+    section.text += fmt::format("Charts of {} measures are left out; `[measure]` in the scene chooses.\n\n", leftOut);
   if (!same.empty())
   {
     section.text += "The same in all samples: ";
@@ -404,8 +401,8 @@ SectionPlan sampleCurvesOf(const fs::path& path, const Found& found, const Sampl
           ChartPlan& plan = charts[column];
           plan.chart.xLabel = table.label(xName);
           plan.chart.yLabel = table.label(yName);
-          plan.chart.words = yName + " over " + xName;
-          plan.caption = literal(name + ".csv") + ": " + literal(yName) + " over " + literal(xName) +
+          plan.chart.words = fmt::format("{} over {}", yName, xName);
+          plan.caption = fmt::format("{}: {} over {}", literal(name + ".csv"), literal(yName), literal(xName)) +
             (kind.files.size() > mostSeries ? fmt::format(", of up to {} of {} samples", mostSeries, kind.files.size())
                                             : "");
           plan.chart.curves.push_back({ captions[i], x, table.numbers(column), {} });
