@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import unittest
 
 import pictures
@@ -9,6 +10,30 @@ from pages import Page
 from program import Case
 
 PICTURE = pictures.png(pictures.stripes(64, 40))
+
+SWEEP = """title = "Heat <through> softwood"
+
+[sample]
+generate = "softwood"
+size = [48, 48]
+solid-fraction = [0.3, 0.4, 0.5]
+seed = "1..3"
+
+[diffusion]
+conductivity = { lumen = [0.02, 0.2], wall = 1 }
+direction = "x"
+
+[[picture]]
+name = "heat"
+of = "diffusion"
+array = "temperature"
+size = [400, 300]
+
+[measure]
+conductivity = "diffusion.effective.x"
+nodes = "diffusion.nodes"
+wall = "sample.phases.wall.fraction"
+"""
 
 
 class Report(Case):
@@ -63,6 +88,95 @@ class Report(Case):
         for words in ("Samples that are finished: 1", "radius = 4 # <b>", "samples/cd/failure.json: nothing carries the load", "samples/ab"):
             self.assertIn(words, page.text)
         self.assertNotIn("record.json", page.text)
+
+    def sweep(self, text, *words):
+        self.write("sweep.toml", text.encode())
+        self.works("run", "sweep.toml", "--results", "results", "--quiet", *words)
+        said = self.works("report", "results", "--overwrite", "--json").json()
+        self.assertEqual(said["problems"], [])
+        return said, self.page()
+
+    def in_order(self, page, *words):
+        """These stand in the page, each behind the one before it."""
+        at = 0
+        for word in words:
+            self.assertIn(word, page.text[at:], f"behind {page.text[max(0, at - 60):at]}")
+            at = page.text.index(word, at) + len(word)
+
+    def test_a_sweep(self):
+        said, page = self.sweep(SWEEP)
+        self.assertEqual(said["title"], "Heat <through> softwood")
+        # conductivity over two keys and wall over one, three seeds averaged over; every sample has its picture
+        self.assertEqual((said["charts"], said["pictures"]), (3, 18))
+        self.assertLess(said["bytes"], 5e6)
+        self.in_order(
+            page, "Heat <through> softwood", "18 samples. Swept:", "sample.solid-fraction : 0.3, 0.4, 0.5", "sample.seed : 1, 2, 3, averaged over",
+            "diffusion.conductivity.lumen : 0.02, 0.2", "The same in all samples: nodes 2304", "conductivity.lumen 0.02", "conductivity.lumen 0.2",
+            "conductivity over sample.solid-fraction . Means of 3 samples, over sample.seed ; bars: standard deviation of a sample.",
+            "conductivity over diffusion.conductivity.lumen", "It does not depend on sample.seed and diffusion.conductivity.lumen .",
+            "wall over sample.solid-fraction . One sample each.", "Pictures", "heat", "solid-fraction 0.3, seed 1, conductivity.lumen 0.02",
+            "solid-fraction 0.5, seed 3, conductivity.lumen 0.2", "settings.csv : mean ± standard deviation of a sample", "Scene", "[diffusion]",
+            "18 samples, one after the other")
+        self.assertIn('<div class="grid c4">', page.source, "two pairs of the key that changes fastest")
+        # a bar in each place: three solid fractions of two series, and the other way round
+        self.assertEqual(len(re.findall(r"H[\d.]+M[\d.]+ [\d.]+V[\d.]+M", page.source)), 12)
+
+    def test_a_sweep_over_words_with_errors_that_are_told(self):
+        said, page = self.sweep("""
+[sample]
+generate = "honeycomb"
+size = [64, 64]
+
+[stiffness]
+young = { wall = [1e9, 1e10] }
+surface-correction = true
+micromodulus = ["continuum", "isotropic"]
+
+[measure]
+E = "stiffness.constants.E_x.value"
+E_error = "stiffness.constants.E_x.estimated_error"
+""")
+        self.assertEqual(said["title"], "sweep", "the scene's name where it has no title")
+        for words in ("E [", "Pa]", "One sample each; bars: its error as the command tells it, E_error .", "stiffness.young.wall [Pa]", "young.wall 10⁹ Pa", "isotropic"):
+            self.assertIn(words, page.text)
+        with open(self.path("results/table.csv.json"), encoding="utf-8") as file:
+            columns = json.load(file)["columns"]
+        self.assertEqual(columns["E"], {"unit": "Pa", "meaning": "stiffness.constants.E_x.value"})
+
+    def test_a_page_of_many_samples_stays_small(self):
+        count = 700
+        noise = [pictures.png([[tuple(os.urandom(3)) for _ in range(120)] for _ in range(90)], colour=True) for _ in range(3)]
+        rows = "".join(f"s{i},{i // 2},{i % 2},{'failed' if i == 9 else 'done'},{i * i}\n" for i in range(count))
+        self.fill(**{"lamella-results__json": {"format": 1}, "scene__toml": "# a\n" * 700000,
+                     "table__csv": "sample,a.width,a.seed,status,strength\n" + rows, "settings__csv": "a.width,n\n1,2\n",
+                     "samples/s9/failure__json": {"error": "too thin"}},
+                  **{f"samples/s{i}/{name}__png": noise[i % 3] for i in range(count) if i != 9 for name in ("damage", "film_0001", "film_0002")})
+        result = self.run_lamella("report", "results", "--json")
+        said = result.json()
+        self.assertEqual((said["charts"], said["pictures"]), (1, 300))
+        self.assertGreater(said["bytes"], 2e6)
+        self.assertLess(said["bytes"], 5e6)
+        self.assertEqual(said["problems"], ["there is no room for the scene in a page of 5.0 MB at most"])
+        page = self.page()
+        for words in ("700 samples, of which 1 failed.", "0 to 349 (350 values)", "150 of 700 samples.", "The last of up to 2 steps.",
+                      "width 4, seed 1: samples/s9/failure.json: too thin"):
+            self.assertIn(words, page.text)
+
+    def test_a_hostile_sweep(self):
+        evil = '"><script>alert(1)</script>'
+        quoted = '"' + evil.replace('"', '""') + '"'
+        self.fill(**{"lamella-results__json": {"format": 1}, "scene__toml": evil,
+                     "table__csv": f"sample,{quoted},a.b,status,{quoted},m\n" + "".join(f"../../etc,{w},{w},done,{i},{i}\n" for i, w in enumerate([quoted, "x", "`y`"])),
+                     "table__csv__json": {"columns": {"m": {"unit": evil, "meaning": evil}}, "provenance": {"parameters": {"scene": {"title": evil, "file": evil}}}},
+                     "samples/ab/p__png": PICTURE, "settings__csv": f"{quoted},a.b,n\n", "times__csv": "seconds\n<b>\n"})
+        said = self.run_lamella("report", "results", "--json").json()
+        self.assertEqual(said["title"], evil)
+        self.assertGreater(said["charts"], 0)
+        self.page()
+        for table in ('sample,status\n"', "sample,a.b,status,m\n", "sample,a.b,status,m\nx,nan,done,1\ny,1e308,done,inf\nz,-1e308,done,2\n", "sample,sample\n1"):
+            self.fill(table__csv__json={"provenance": [1], "columns": 3}, table__csv=table)
+            self.run_lamella("report", "results", "--json", "--overwrite").json()
+            self.page()
 
     def test_an_ordered_page(self):
         self.ordered(

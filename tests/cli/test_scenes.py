@@ -508,6 +508,22 @@ fraction = "sample.packing_fraction"
         self.assertEqual(run.wait(60), 130)
         self.assertGreater(len(os.listdir(self.path("scene.results/samples"))), 2)
 
+    def test_units_of_the_tables(self):
+        """Of swept keys those of the settings, of measures those of the reports; lengths are in pixels where their size is not known."""
+        self.write("a.png", pictures.png(pictures.stripes(24, 24)))
+        sample = '[sample]\nfile = "a.png"\nphase = { 0 = "lumen", 255 = "wall" }\n'
+        self.scene(sample + FRACTURE[FRACTURE.index("[fracture]"):].replace("1e10", "[1e10, 2e10]"))
+        for words, length in ((), "pixels"), (("--sample.pixel-size=2um",), "m"):
+            self.assertEqual(self.run_lamella("run", "scene.toml", *words).code, 0)
+            units = {}
+            for name in ("table", "settings", "steps_crack", "times"):
+                with open(self.path(f"scene.results/{name}.csv.json"), encoding="utf-8") as file:
+                    units[name] = {column: about["unit"] for column, about in json.load(file)["columns"].items()}
+            self.assertEqual(units["table"], {"fracture.young.wall": "Pa", "strength": "Pa", "length": length})
+            self.assertEqual(units["settings"]["length.error"], length)
+            self.assertEqual((units["steps_crack"]["stress"], units["steps_crack"]["length"]), ("Pa", length))
+            self.assertEqual(units["times"]["seconds.fracture"], "s")
+
     def test_bad_folders(self):
         self.scene(DIFFUSION)
         os.mkdir(self.path("mine"))

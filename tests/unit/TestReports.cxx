@@ -5,6 +5,7 @@
 #include "reports/Html.h"
 #include "reports/Page.h"
 #include "reports/Plan.h"
+#include "reports/Samples.h"
 
 #include "core/Error.h"
 
@@ -47,6 +48,15 @@ std::string refusal(const std::string& json)
 bool holds(const std::string& text, const std::string& part)
 {
   return text.find(part) != std::string::npos;
+}
+
+/// How often a text holds a part.
+std::size_t count(const std::string& text, const std::string& part)
+{
+  std::size_t found = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1))
+    ++found;
+  return found;
 }
 
 TEST(ReportText, NothingGetsThroughAsMarkup)
@@ -141,15 +151,13 @@ TEST(ReportChart, ThinningKeepsThePeaks)
 TEST(ReportChart, DrawsWhatCanBeDrawn)
 {
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  Chart chart{ "x <1>", "y & z", false, false, true, "words", { { "a\"b", { 0, 1, 2, 3 }, { 1, nan, 2, 3 }, {} } } };
+  Chart chart{ "x <1>", "y & z", false, false, true, "words", { { "a\"b", { 0, 1, 2, 3 }, { 1, nan, 2, 3 }, {} } },
+    {} };
   const std::string drawn = svg(chart);
   EXPECT_TRUE(holds(drawn, "x &lt;1&gt;") && holds(drawn, "y &amp; z") && holds(drawn, "a&quot;b"));
   EXPECT_FALSE(holds(drawn, "nan"));
   EXPECT_FALSE(holds(drawn, "inf"));
-  std::size_t circles = 0;
-  for (std::size_t at = drawn.find("<circle"); at != std::string::npos; at = drawn.find("<circle", at + 1))
-    ++circles;
-  EXPECT_EQ(circles, 3U);
+  EXPECT_EQ(count(drawn, "<circle"), 3U);
   chart.curves.front().y = { nan, nan, nan, nan };
   EXPECT_EQ(svg(chart), "");
   chart.curves.front().y = { -1, -2, 0, -3 };
@@ -158,10 +166,63 @@ TEST(ReportChart, DrawsWhatCanBeDrawn)
   for (const double value : { 0.0, 5.0, -1e-300, 1e300 }) // one value alone is in the middle of its axis
   {
     const std::string level =
-      svg({ "x", "y", false, false, true, "", { { "", { value, value }, { value, value }, {} } } });
+      svg({ "x", "y", false, false, true, "", { { "", { value, value }, { value, value }, {} } }, {} });
     EXPECT_TRUE(holds(level, "<circle")) << value;
     EXPECT_FALSE(holds(level, "nan") || holds(level, "inf")) << value;
   }
+}
+
+TEST(ReportChart, NumbersAlongAxesAreShort)
+{
+  EXPECT_EQ(numberText(0.30000000000000004), "0.3");
+  EXPECT_EQ(numberText(8e7), "8 × 10⁷");
+  EXPECT_EQ(numberText(-1e-9), "−1 × 10⁻⁹");
+  const auto drawn = [](const std::string& label, double scale)
+  {
+    return svg(
+      { "x", label, false, false, true, "", { { "", { 0, 1, 2 }, { scale, 2 * scale, 4 * scale }, {} } }, {} });
+  };
+  EXPECT_TRUE(holds(drawn("stress [Pa]", 1e6), ">stress [MPa]<"));
+  EXPECT_TRUE(holds(drawn("stiffness [N/m]", 1e6), ">stiffness [10⁶ N/m]<"));
+  EXPECT_TRUE(holds(drawn("strain", 1e-3), ">strain [10⁻³]<"));
+  EXPECT_TRUE(holds(drawn("strain", 1e-3), ">4<"));
+  EXPECT_TRUE(holds(drawn("share", 0.2), ">share<"));
+  EXPECT_TRUE(holds(drawn(std::string(200, 'a') + "end", 1), "end<")) << "of a long name the end";
+  EXPECT_FALSE(holds(drawn(std::string(200, 'a'), 1), std::string(60, 'a')));
+}
+
+TEST(ReportChart, WordsAlongXGetMarksWithBarsAndNoLines)
+{
+  Chart chart{ "law", "strength", false, false, false, "",
+    { { "a", { 0, 1, 2 }, { 1, 2, 3 }, { 0.1, 0.2, 0.3 } }, { "b", { 0, 2 }, { 2, 4 }, {} } },
+    { "one <1>", "two", "three" } };
+  const std::string drawn = svg(chart);
+  EXPECT_TRUE(holds(drawn, ">one &lt;1&gt;<") && holds(drawn, ">three<"));
+  EXPECT_FALSE(holds(drawn, "stroke-linejoin"));
+  EXPECT_EQ(count(drawn, "<circle"), 5U + 2U) << "and two beside the names";
+  EXPECT_FALSE(holds(drawn, "rotate(-35)"));
+  chart.kinds.assign(40, "a word that is rather long for its place");
+  chart.kinds.back() = "last";
+  EXPECT_TRUE(holds(svg(chart), "rotate(-35)"));
+  EXPECT_LE(count(svg(chart), "rotate(-35)"), 28U) << "no more than there is room for";
+}
+
+TEST(ReportChart, ManyPointsWithBarsStayShort)
+{
+  Chart chart{ "x", "y", false, false, false, "", {}, {} };
+  for (int k = 0; k < 8; ++k)
+  {
+    Curve curve{ "c" + std::to_string(k), {}, {}, {} };
+    for (int i = 0; i < 20000; ++i)
+    {
+      curve.x.push_back(i);
+      curve.y.push_back(std::sin(1e-3 * i) + k);
+      curve.error.push_back(0.1);
+    }
+    chart.curves.push_back(curve);
+  }
+  EXPECT_LT(svg(chart).size(), 200'000U); // 2400 points of a path at 13 bytes, 200 bars at 90
+  EXPECT_EQ(thinned(chart.curves.front(), 60).error.size(), thinned(chart.curves.front(), 60).x.size());
 }
 
 TEST(ReportTable, CellsUnitsAndRows)
@@ -183,6 +244,27 @@ TEST(ReportTable, CellsUnitsAndRows)
   EXPECT_THROW(static_cast<void>(table.row({})), lamella::InputError) << "two rows";
   EXPECT_THROW(static_cast<void>(table.row({ { "width", "3" } })), lamella::InputError);
   EXPECT_THROW(static_cast<void>(table.column("strain")), lamella::InputError);
+}
+
+TEST(ReportSamples, KeysRepeatsAndWhichAreShown)
+{
+  const lamella::testing::TemporaryFolder folder;
+  std::string rows = "sample,material.young.wall,sample.seed,fracture.law,status,strength,end\n";
+  for (int i = 0; i < 12; ++i)
+    rows += "k" + std::to_string(i) + (i < 6 ? ",1e9," : ",2e9,") + std::to_string(i % 3) +
+      (i % 6 < 3 ? ",\"a, b\"" : ",c") + (i == 4 ? ",failed,,\n" : ",done,1,fell\n");
+  write(folder.path() / "table.csv", rows);
+  write(folder.path() / "table.csv.json", R"({"columns": {"material.young.wall": {"unit": "Pa"}}})");
+  const Samples samples(folder.path());
+  ASSERT_EQ(samples.keys().size(), 3U);
+  EXPECT_EQ(samples.caption(3), "young.wall 10⁹ Pa, seed 0, law c");
+  EXPECT_TRUE(samples.keys()[1].averaged) << "a seed, where settings.csv does not say";
+  EXPECT_EQ(samples.measures().size(), 1U) << "numbers alone";
+  EXPECT_TRUE(samples.failed(4));
+  EXPECT_EQ(samples.some(100).size(), 12U);
+  EXPECT_EQ(samples.some(9), (std::vector<std::size_t>{ 0, 1, 3, 4, 6, 7, 9, 10 })) << "two of each setting";
+  EXPECT_EQ(samples.some(3), (std::vector<std::size_t>{ 0, 3, 6 })) << "of some settings";
+  EXPECT_THROW(Samples(folder.path() / "none"), lamella::InputError);
 }
 
 TEST(ReportPlan, SaysWhereItIsWrong)

@@ -101,14 +101,6 @@ std::string form(const Setting& setting)
     fmt::format("write it as --{} {}", setting.word, form(setting)));
 }
 
-/// The unit of one of its parts: "Young's modulus [Pa]".
-std::string unitOf(const Setting& setting, std::size_t part)
-{
-  const std::string name = part < setting.parts.size() ? setting.parts[part] : "";
-  const std::size_t begin = name.find(" [");
-  return begin == std::string::npos ? setting.unit : name.substr(begin + 2, name.size() - begin - 3);
-}
-
 double number(const Setting& setting, std::size_t part, const std::string& text, const std::string& whole)
 {
   const std::string unit = unitOf(setting, part);

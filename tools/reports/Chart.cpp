@@ -19,13 +19,31 @@ namespace
 
 constexpr double width = 640;
 constexpr double height = 400;
-constexpr double left = 76;
-constexpr double right = 16;
-constexpr double top = 14;
-constexpr double bottom = 52;
-constexpr std::size_t colours = 8; // of the style: --c0 ... --c7
-constexpr std::size_t marked = 40; // curves of no more points show them
-constexpr std::size_t bins = 600;  // a curve is drawn with at most four points in each
+constexpr double letter = 7.2;         // width of one, at most, on average
+constexpr double lineHeight = 19;      //
+constexpr std::size_t colours = 8;     // of the style: --c0 ... --c7
+constexpr std::size_t marked = 40;     // curves of no more points show them
+constexpr std::size_t bins = 600;      // all curves of a chart are drawn with at most four points in each
+constexpr std::size_t fewestBins = 60; // bins of a curve
+constexpr std::size_t barred = 200;    // of all points of a chart no more get error bars
+constexpr std::size_t longest = 70;    // letters of a name
+constexpr std::size_t longestKind = 24;
+
+std::size_t letters(const std::string& text)
+{
+  return static_cast<std::size_t>(std::count_if(
+    text.begin(), text.end(), [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }));
+}
+
+/// The end of a text that is too long: names that begin alike differ there.
+std::string shortened(const std::string& text, std::size_t most)
+{
+  std::size_t begin = 0;
+  for (std::size_t count = letters(text); count > most; --count)
+    for (++begin; begin < text.size() && (static_cast<unsigned char>(text[begin]) & 0xc0) == 0x80; ++begin)
+      ;
+  return begin == 0 ? text : "…" + text.substr(begin);
+}
 
 /// One axis: values to places, and its ticks.
 struct Axis
@@ -48,7 +66,7 @@ struct Axis
   {
     return log ? std::log(value / low) / std::log(high / low) : (value - low) / (high - low);
   }
-  /// Room around the values; 0 is at the rim at the rim where all lie on one side of it and near it.
+  /// Room around the values; 0 is at the rim where all lie on one side of it and near it.
   void widen(double part)
   {
     if (log)
@@ -77,12 +95,29 @@ struct Axis
   }
 };
 
+/// Where things are: both axes, with what is written beside them.
 struct Place
 {
   const Axis& x;
   const Axis& y;
-  [[nodiscard]] double atX(double value) const { return left + x.share(value) * (width - left - right); }
-  [[nodiscard]] double atY(double value) const { return height - bottom - y.share(value) * (height - top - bottom); }
+  std::vector<double> ticksX;
+  std::vector<double> ticksY;
+  std::vector<std::string> textsX;
+  std::vector<std::string> textsY;
+  std::string labelX;
+  std::string labelY;
+  bool slanted = false; ///< what is written along x
+  double left = 0;
+  double right = 24;
+  double top = 14;
+  double bottom = 52;
+  double tall = height;
+  double labelAt = 16; ///< of y
+
+  [[nodiscard]] double wide() const { return width - left - right; }
+  [[nodiscard]] double floor() const { return tall - bottom; }
+  [[nodiscard]] double atX(double value) const { return left + x.share(value) * wide(); }
+  [[nodiscard]] double atY(double value) const { return floor() - y.share(value) * (floor() - top); }
   [[nodiscard]] bool shows(double valueX, double valueY) const { return x.shows(valueX) && y.shows(valueY); }
 };
 
@@ -99,114 +134,243 @@ std::string dashes(std::size_t number)
   return of[number / colours % of.size()];
 }
 
-/// The number beside a tick: 0.25, 8 × 10⁷.
-std::string tickText(double value)
+std::string raised(int power)
 {
-  if (value == 0 || (std::abs(value) < 1e5 && std::abs(value) >= 1e-3))
-    return fmt::format("{:.6g}", value);
-  constexpr std::array<const char*, 10> raised{ "⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹" };
-  const std::string text = fmt::format("{:.5e}", value);
-  const std::size_t e = text.find('e');
-  const std::string factor = fmt::format("{:.6g}", std::stod(text.substr(0, e)));
-  const int power = std::stoi(text.substr(e + 1));
-  std::string exponent = power < 0 ? "⁻" : "";
+  constexpr std::array<const char*, 10> digits{ "⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹" };
+  std::string text = power < 0 ? "⁻" : "";
   for (const char digit : std::to_string(std::abs(power)))
-    exponent += raised[static_cast<std::size_t>(digit - '0')];
-  return (factor == "1" ? "" : factor + " × ") + "10" + exponent;
+    text += digits[static_cast<std::size_t>(digit - '0')];
+  return text;
 }
 
-void drawAxes(std::string& out, const Chart& chart, const Place& place)
+/// Begin and length of the unit in "stress [Pa]"; npos where there is none.
+std::pair<std::size_t, std::size_t> unitIn(const std::string& label)
+{
+  const std::size_t open = label.ends_with("]") ? label.rfind(" [") : std::string::npos;
+  return open == std::string::npos ? std::pair(open, open) : std::pair(open + 2, label.size() - open - 3);
+}
+
+/// Units that take mega, milli and the like.
+bool takesPrefix(const std::string& label)
+{
+  constexpr std::array<const char*, 5> known{ "Pa", "m", "s", "J", "N" };
+  const auto [begin, length] = unitIn(label);
+  return begin != std::string::npos &&
+    std::find(known.begin(), known.end(), label.substr(begin, length)) != known.end();
+}
+
+/// "stress [Pa]" of numbers that were divided by a power of ten: stress [MPa]; of others [10⁶ N/m].
+std::string inPowers(const std::string& label, int power)
+{
+  if (power == 0)
+    return label;
+  const auto [begin, length] = unitIn(label);
+  if (begin == std::string::npos)
+    return fmt::format("{} [10{}]", label, raised(power));
+  constexpr std::array<const char*, 7> prefixes{ "n", "µ", "m", "", "k", "M", "G" };
+  const int prefix = power / 3 + 3;
+  const bool named = takesPrefix(label) && std::abs(power) <= 9;
+  std::string scaled = label;
+  return scaled.insert(begin, named ? prefixes[static_cast<std::size_t>(prefix)] : "10" + raised(power) + " ");
+}
+
+/// What stands beside the ticks. @param label gets the power of ten that large and small numbers are divided by
+std::vector<std::string> tickTexts(const Axis& axis, const std::vector<double>& ticks, std::string& label)
+{
+  std::vector<std::string> texts;
+  const double largest = ticks.empty() ? 0 : std::max(std::abs(ticks.front()), std::abs(ticks.back()));
+  if (axis.log || largest == 0 || ticks.size() < 2)
+  {
+    std::transform(ticks.begin(), ticks.end(), std::back_inserter(texts), numberText);
+    return texts;
+  }
+  const bool plain = takesPrefix(label) ? largest < 1e3 && largest >= 0.1 : largest < 1e5 && largest >= 0.01;
+  const int power = plain ? 0 : 3 * static_cast<int>(std::floor(std::log10(largest) / 3 + 1e-9));
+  label = inPowers(label, power);
+  const double unit = std::pow(10.0, power);
+  const int decimals = -static_cast<int>(std::floor(std::log10((ticks[1] - ticks[0]) / unit) + 1e-6));
+  std::transform(ticks.begin(), ticks.end(), std::back_inserter(texts),
+    [&](double tick) { return withSign(fmt::format("{:.{}f}", tick / unit, std::clamp(decimals, 0, 12))); });
+  return texts;
+}
+
+std::size_t mostLetters(const std::vector<std::string>& texts)
+{
+  std::size_t most = 0;
+  for (const std::string& text : texts)
+    most = std::max(most, letters(text));
+  return most;
+}
+
+Place placeOf(const Chart& chart, const Axis& x, const Axis& y)
+{
+  Place place{ x, y, {}, y.ticks(6), {}, {}, chart.xLabel, chart.yLabel };
+  place.textsY = tickTexts(y, place.ticksY, place.labelY);
+  place.left = 36 + letter * static_cast<double>(mostLetters(place.textsY));
+  if (!chart.kinds.empty())
+  {
+    // no more words than there is room for, side by side or aslant
+    const std::size_t every = 1 + static_cast<std::size_t>(chart.kinds.size() * lineHeight / place.wide());
+    for (std::size_t i = 0; i < chart.kinds.size(); i += every)
+    {
+      place.ticksX.push_back(static_cast<double>(i));
+      place.textsX.push_back(shortened(chart.kinds[i], longestKind));
+    }
+    const double length = letter * static_cast<double>(mostLetters(place.textsX));
+    place.slanted =
+      length + letter > place.wide() / static_cast<double>(chart.kinds.size()) * static_cast<double>(every);
+    if (place.slanted)
+    {
+      place.bottom += 0.6 * length;
+      place.tall += 0.6 * length;
+      const double more = std::max(0.0, 0.82 * length - place.left); // for the first word
+      place.left += more;
+      place.labelAt += more;
+    }
+    return place;
+  }
+  for (const int count : { 7, 4, 2 })
+  {
+    place.labelX = chart.xLabel;
+    place.ticksX = x.ticks(count);
+    place.textsX = tickTexts(x, place.ticksX, place.labelX);
+    if (letter * static_cast<double>((mostLetters(place.textsX) + 2) * place.ticksX.size()) < place.wide())
+      break;
+  }
+  return place;
+}
+
+void drawAxes(std::string& out, const Place& place)
 {
   auto to = std::back_inserter(out);
-  const double floor = height - bottom;
-  for (const double tick : place.x.ticks(7))
+  const double floor = place.floor();
+  for (std::size_t i = 0; i < place.ticksX.size(); ++i)
   {
-    const double x = place.atX(tick);
-    fmt::format_to(to,
-      "<path d=\"M{0:.1f} {1}V{2}\" stroke=\"var(--line)\"/><text x=\"{0:.1f}\" y=\"{3}\" "
-      "text-anchor=\"middle\">{4}</text>\n",
-      x, top, floor, floor + 17, tickText(tick));
+    const double x = place.atX(place.ticksX[i]);
+    fmt::format_to(to, "<path d=\"M{0:.1f} {1}V{2:.1f}\" stroke=\"var(--line)\"/>", x, place.top, floor);
+    if (place.slanted)
+    {
+      fmt::format_to(to, "<text transform=\"translate({:.1f} {:.1f}) rotate(-35)\" text-anchor=\"end\">{}</text>\n",
+        x + 4, floor + 15, escaped(place.textsX[i]));
+    }
+    else
+    {
+      fmt::format_to(to, "<text x=\"{:.1f}\" y=\"{:.1f}\" text-anchor=\"middle\">{}</text>\n", x, floor + 17,
+        escaped(place.textsX[i]));
+    }
   }
-  for (const double tick : place.y.ticks(6))
+  for (std::size_t i = 0; i < place.ticksY.size(); ++i)
   {
-    const double y = place.atY(tick);
+    const double y = place.atY(place.ticksY[i]);
     fmt::format_to(to,
-      "<path d=\"M{0} {1:.1f}H{2}\" stroke=\"var(--line)\"/><text x=\"{3}\" y=\"{4:.1f}\" "
+      "<path d=\"M{0:.1f} {1:.1f}H{2}\" stroke=\"var(--line)\"/><text x=\"{3:.1f}\" y=\"{4:.1f}\" "
       "text-anchor=\"end\">{5}</text>\n",
-      left, y, width - right, left - 7, y + 4, tickText(tick));
+      place.left, y, width - place.right, place.left - 7, y + 4, place.textsY[i]);
   }
-  fmt::format_to(
-    to, "<path d=\"M{} {}V{}H{}\" fill=\"none\" stroke=\"currentColor\"/>\n", left, top, floor, width - right);
-  fmt::format_to(to, "<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"middle\">{}</text>\n", (left + width - right) / 2,
-    height - 12, escaped(chart.xLabel));
-  fmt::format_to(to, "<text transform=\"translate(16 {:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
-    (top + floor) / 2, escaped(chart.yLabel));
+  fmt::format_to(to, "<path d=\"M{:.1f} {}V{:.1f}H{}\" fill=\"none\" stroke=\"currentColor\"/>\n", place.left,
+    place.top, floor, width - place.right);
+  const auto fitting = [](double room) { return static_cast<std::size_t>(room / letter); };
+  fmt::format_to(to, "<text x=\"{:.0f}\" y=\"{:.0f}\" text-anchor=\"middle\">{}</text>\n",
+    place.left + place.wide() / 2, place.tall - 12, escaped(shortened(place.labelX, fitting(place.wide()))));
+  fmt::format_to(to, "<text transform=\"translate({:.0f} {:.0f}) rotate(-90)\" text-anchor=\"middle\">{}</text>\n",
+    place.labelAt, (place.top + floor) / 2, escaped(shortened(place.labelY, fitting(floor))));
 }
 
-void drawCurve(std::string& out, const Curve& curve, std::size_t number, bool points, const Place& place)
+/// How a curve of several is drawn.
+struct Pen
+{
+  std::size_t number = 0;
+  double aside = 0; ///< marks that would hide each other stand side by side [pixels]
+  bool line = true;
+  bool points = false;
+  std::size_t every = 1; ///< point with an error bar
+};
+
+void drawCurve(std::string& out, const Curve& curve, const Pen& pen, const Place& place)
 {
   auto to = std::back_inserter(out);
+  const std::string ink = colour(pen.number);
+  const auto atX = [&](std::size_t i) { return place.atX(curve.x[i]) + pen.aside; };
   std::string line;
-  bool pen = false;
-  for (std::size_t i = 0; i < curve.x.size(); ++i)
+  bool down = false;
+  for (std::size_t i = 0; pen.line && i < curve.x.size(); ++i)
   {
     const bool shown = place.shows(curve.x[i], curve.y[i]);
     if (shown)
-      line += fmt::format("{}{:.1f} {:.1f}", pen ? "L" : "M", place.atX(curve.x[i]), place.atY(curve.y[i]));
-    pen = shown;
+      line += fmt::format("{}{:.1f} {:.1f}", down ? "L" : "M", atX(i), place.atY(curve.y[i]));
+    down = shown;
   }
-  fmt::format_to(to, "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{}/>\n",
-    line, colour(number), dashes(number));
-  for (std::size_t i = 0; i < curve.error.size() && i < curve.x.size(); ++i)
+  if (!line.empty())
+  {
+    fmt::format_to(to,
+      "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"1.6\" stroke-linejoin=\"round\"{}/>\n", line, ink,
+      dashes(pen.number));
+  }
+  for (std::size_t i = 0; i < curve.error.size() && i < curve.x.size(); i += pen.every)
   {
     const double reach = std::abs(curve.error[i]);
     const double low = curve.y[i] - reach;
     if (!place.shows(curve.x[i], curve.y[i]) || !std::isfinite(reach))
       continue;
-    const double x = place.atX(curve.x[i]);
-    const double end = place.y.shows(low) ? place.atY(low) : height - bottom;
+    const double x = atX(i);
+    const double end = place.y.shows(low) ? place.atY(low) : place.floor();
     fmt::format_to(to,
       "<path d=\"M{0:.1f} {1:.1f}H{2:.1f}M{3:.1f} {1:.1f}V{4:.1f}M{0:.1f} {4:.1f}H{2:.1f}\" stroke=\"{5}\"/>\n", x - 3,
-      place.atY(curve.y[i] + reach), x + 3, x, end, colour(number));
+      place.atY(curve.y[i] + reach), x + 3, x, end, ink);
   }
-  if (points)
+  if (pen.points)
   {
     for (std::size_t i = 0; i < curve.x.size(); ++i)
     {
       if (place.shows(curve.x[i], curve.y[i]))
       {
-        fmt::format_to(to, "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.8\" fill=\"{}\"/>\n", place.atX(curve.x[i]),
-          place.atY(curve.y[i]), colour(number));
+        fmt::format_to(
+          to, "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"2.8\" fill=\"{}\"/>\n", atX(i), place.atY(curve.y[i]), ink);
       }
     }
   }
 }
 
-/// Names in rows below the axes. @returns the height that they take
-double drawNames(std::string& out, const std::vector<Curve>& curves)
+/// Names in rows and columns below the axes. @returns the height that they take
+double drawNames(std::string& out, const std::vector<Curve>& curves, const Place& place, bool lines)
 {
+  std::vector<std::string> names;
+  std::transform(curves.begin(), curves.end(), std::back_inserter(names),
+    [](const Curve& curve) { return shortened(curve.name, longest); });
+  const double wide = 44 + letter * static_cast<double>(mostLetters(names));
+  const auto columns = static_cast<std::size_t>(std::max(1.0, (width - place.left + 16) / wide));
   auto to = std::back_inserter(out);
-  double x = left;
-  double y = height + 10;
-  for (std::size_t i = 0; i < curves.size(); ++i)
+  for (std::size_t i = 0; i < names.size(); ++i)
   {
-    const auto letters = std::count_if(curves[i].name.begin(), curves[i].name.end(),
-      [](char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; });
-    const double length = 44 + 7.2 * static_cast<double>(letters);
-    if (x > left && x + length > width)
+    const std::size_t row = i / columns;
+    const double x = place.left + wide * static_cast<double>(i % columns);
+    const double y = place.tall + 10 + lineHeight * static_cast<double>(row);
+    if (lines)
     {
-      x = left;
-      y += 19;
+      fmt::format_to(
+        to, "<path d=\"M{:.0f} {:.0f}h22\" stroke=\"{}\" stroke-width=\"2.4\"{}/>", x, y - 4, colour(i), dashes(i));
     }
-    fmt::format_to(to,
-      "<path d=\"M{:.0f} {:.0f}h22\" stroke=\"{}\" stroke-width=\"2.4\"{}/><text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n",
-      x, y - 4, colour(i), dashes(i), x + 28, y, escaped(curves[i].name));
-    x += length;
+    else
+    {
+      fmt::format_to(to, "<circle cx=\"{:.0f}\" cy=\"{:.0f}\" r=\"4\" fill=\"{}\"/>", x + 14, y - 4, colour(i));
+    }
+    fmt::format_to(to, "<text x=\"{:.0f}\" y=\"{:.0f}\">{}</text>\n", x + 28, y, escaped(names[i]));
   }
-  return y + 10 - height;
+  const std::size_t rows = (names.size() + columns - 1) / columns;
+  return 1 + lineHeight * static_cast<double>(rows);
 }
 
 } // namespace
+
+std::string numberText(double value)
+{
+  if (value == 0 || (std::abs(value) < 1e5 && std::abs(value) >= 1e-3))
+    return withSign(fmt::format("{:.6g}", value));
+  const std::string text = fmt::format("{:.5e}", value);
+  const std::size_t e = text.find('e');
+  const std::string factor = fmt::format("{:.6g}", std::stod(text.substr(0, e)));
+  return (factor == "1" ? "" : withSign(factor) + " × ") + "10" + raised(std::stoi(text.substr(e + 1)));
+}
 
 std::vector<double> linearTicks(double low, double high, int count)
 {
@@ -241,7 +405,7 @@ std::vector<double> logTicks(double low, double high)
 Curve thinned(const Curve& curve, std::size_t count)
 {
   const std::size_t size = curve.x.size();
-  if (size <= 4 * count || !curve.error.empty())
+  if (size <= 4 * count)
     return curve;
   Curve thin{ curve.name, {}, {}, {} };
   for (std::size_t bin = 0; bin < count; ++bin)
@@ -263,6 +427,8 @@ Curve thinned(const Curve& curve, std::size_t count)
       {
         thin.x.push_back(curve.x[kept[k]]);
         thin.y.push_back(curve.y[kept[k]]);
+        if (kept[k] < curve.error.size())
+          thin.error.push_back(curve.error[kept[k]]);
       }
     }
   }
@@ -293,21 +459,35 @@ std::string svg(const Chart& chart)
   }
   if (x.empty() || y.empty())
     return "";
-  x.widen(0.03);
+  if (chart.kinds.empty())
+    x.widen(0.03);
+  else
+    x = { -0.5, static_cast<double>(chart.kinds.size()) - 0.5, false };
   y.widen(0.05);
-  const Place place{ x, y };
+  const Place place = placeOf(chart, x, y);
   std::string inside;
-  drawAxes(inside, chart, place);
-  for (std::size_t i = 0; i < chart.curves.size(); ++i)
+  drawAxes(inside, place);
+  std::vector<Curve> curves;
+  for (const Curve& curve : chart.curves)
+    curves.push_back(thinned(curve, std::max(fewestBins, bins / chart.curves.size())));
+  std::size_t bars = 0;
+  for (const Curve& curve : curves)
+    bars += curve.error.size();
+  const double apart = !chart.kinds.empty()
+    ? std::min(14.0, 0.7 * place.wide() / static_cast<double>(chart.kinds.size() * curves.size()))
+    : chart.apart ? 3.0
+                  : 0.0;
+  for (std::size_t i = 0; i < curves.size(); ++i)
   {
-    const Curve curve = thinned(chart.curves[i], bins);
-    drawCurve(inside, curve, i, chart.points || curve.x.size() <= marked, place);
+    const Pen pen{ i, apart * (static_cast<double>(i) - 0.5 * static_cast<double>(curves.size() - 1)),
+      chart.kinds.empty(), chart.points || curves[i].x.size() <= marked || !chart.kinds.empty(), 1 + bars / barred };
+    drawCurve(inside, curves[i], pen, place);
   }
-  const bool named = chart.curves.size() > 1 || !chart.curves.front().name.empty();
-  const double names = named ? drawNames(inside, chart.curves) : 0;
+  const bool named = curves.size() > 1 || !curves.front().name.empty();
+  const double names = named ? drawNames(inside, curves, place, chart.kinds.empty()) : 0;
   return fmt::format("<svg viewBox=\"0 0 {:.0f} {:.0f}\" role=\"img\" aria-label=\"{}\" font-size=\"13\" "
                      "fill=\"currentColor\">\n{}</svg>\n",
-    width, height + names, escaped(chart.words), inside);
+    width, place.tall + names, escaped(chart.words), inside);
 }
 
 } // namespace lamella::reports

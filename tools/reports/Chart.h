@@ -24,7 +24,13 @@ struct Chart
   bool points = false; ///< marks beside the lines; few points get them in any case
   std::string words;   ///< what is to be seen, for those who do not see it
   std::vector<Curve> curves;
+  /// Words along x, where x of the curves is their number, from 0. Then there are marks and no lines.
+  std::vector<std::string> kinds{};
+  bool apart = false; ///< curves stand a few pixels apart, so that bars do not hide each other
 };
+
+/// A number beside a tick or in a name: 0.25, 8 × 10⁷.
+[[nodiscard]] std::string numberText(double value);
 
 /// Round numbers between low and high, about `count` of them: steps of 1, 2 or 5 times a power of ten.
 /// @pre low < high, both finite

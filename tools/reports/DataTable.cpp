@@ -57,8 +57,11 @@ DataTable::DataTable(const fs::path& path)
   if (!json.is_object() || !json.contains("columns") || !json["columns"].is_object())
     return;
   for (const auto& [name, about] : json["columns"].items())
-    if (about.is_object() && about.contains("unit") && about["unit"].is_string())
-      units_[name] = about["unit"].get<std::string>();
+  {
+    for (const auto& [key, kept] : { std::pair{ "unit", &units_ }, { "meaning", &meanings_ } })
+      if (about.is_object() && about.contains(key) && about[key].is_string())
+        (*kept)[name] = about[key].template get<std::string>();
+  }
 }
 
 std::size_t DataTable::column(const std::string& name) const
@@ -112,6 +115,18 @@ std::string DataTable::unit(const std::string& name) const
 {
   const auto found = units_.find(name);
   return found == units_.end() || found->second == "1" ? "" : found->second;
+}
+
+std::string DataTable::label(const std::string& name) const
+{
+  const std::string of = unit(name);
+  return of.empty() ? name : name + " [" + of + "]";
+}
+
+std::string DataTable::meaning(const std::string& name) const
+{
+  const auto found = meanings_.find(name);
+  return found == meanings_.end() ? name : found->second;
 }
 
 std::size_t DataTable::row(const std::map<std::string, std::string>& cells) const

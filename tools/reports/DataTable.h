@@ -35,6 +35,10 @@ public:
   [[nodiscard]] bool isNumeric(std::size_t column) const;
   /// "m", "Pa", ...; empty where nothing says.
   [[nodiscard]] std::string unit(const std::string& name) const;
+  /// "strength [Pa]"
+  [[nodiscard]] std::string label(const std::string& name) const;
+  /// What a column is; its name where nothing says.
+  [[nodiscard]] std::string meaning(const std::string& name) const;
   /// The only row whose cells are these; numbers are compared as numbers.
   /// @throws InputError where there is none, or more than one
   [[nodiscard]] std::size_t row(const std::map<std::string, std::string>& cells) const;
@@ -43,6 +47,7 @@ private:
   TextTable table_;
   std::string name_;
   std::map<std::string, std::string> units_;
+  std::map<std::string, std::string> meanings_;
 };
 
 } // namespace lamella::reports

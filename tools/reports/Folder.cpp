@@ -28,9 +28,6 @@ constexpr std::size_t mostPictures = 100;                          // in a page 
 constexpr std::size_t mostTables = 50;                             //
 constexpr std::uintmax_t largestText = std::uintmax_t{ 16 } << 20; // of JSON and scenes [bytes]
 constexpr int deepestJson = 100;                                   // levels in an object
-constexpr std::size_t shownRows = 50;                              // of a table that nobody ordered
-constexpr std::size_t drawnColumns = 4;                            // of a table whose first column rises
-constexpr std::size_t fewestPoints = 8;                            // of a curve
 
 std::string textOf(const fs::path& path)
 {
@@ -97,18 +94,6 @@ std::string nameOf(const std::string& name)
   return fs::path(name).filename().string();
 }
 
-/// Markdown that shows the text as it is.
-std::string literal(const std::string& text)
-{
-  return "`" + text + "`";
-}
-
-std::string labelOf(const DataTable& table, const std::string& column)
-{
-  const std::string unit = table.unit(column);
-  return unit.empty() ? column : column + " [" + unit + "]";
-}
-
 /// Charts of the table's numbers over its first column, if that rises from row to row.
 std::vector<CurvesPlan> curvesOf(const std::string& file, const DataTable& table)
 {
@@ -123,8 +108,8 @@ std::vector<CurvesPlan> curvesOf(const std::string& file, const DataTable& table
     if (table.isNumeric(column))
     {
       const std::string& name = table.names()[column];
-      curves.push_back({ file, table.names()[0], { name }, "", "", labelOf(table, table.names()[0]),
-        labelOf(table, name), 1, 1, false, false, false, literal(nameOf(file)) + ": " + literal(name) });
+      curves.push_back({ file, table.names()[0], { name }, "", "", table.label(table.names()[0]), table.label(name), 1,
+        1, false, false, false, literal(nameOf(file)) + ": " + literal(name) });
     }
   }
   return curves;
@@ -224,6 +209,7 @@ Found look(const fs::path& folder, const fs::path& own, Problems& problems)
       found.others.emplace_back(name, fs::file_size(path, none));
     }
   }
+  found.scene = scene;
   if (scene)
     found.notes.push_back(fmt::format("Samples that are finished: {}", finished));
   if (files.empty())

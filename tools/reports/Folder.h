@@ -3,6 +3,7 @@
 #include "files/JsonReport.h"
 #include "reports/Plan.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -12,6 +13,10 @@
 /// A folder of results, as commands and scenes leave it.
 namespace lamella::reports
 {
+
+inline constexpr std::size_t shownRows = 50;   ///< of a table that nobody ordered
+inline constexpr std::size_t fewestPoints = 8; ///< of a table that is drawn as curves
+inline constexpr std::size_t drawnColumns = 4; ///< of such a table, behind the first
 
 /// What is missing or damaged, one line each.
 using Problems = std::vector<std::string>;
@@ -25,6 +30,7 @@ struct JsonFile
 
 struct Found
 {
+  bool scene = false; ///< lamella run wrote it
   std::vector<std::string> pictures;
   std::vector<std::string> tables;
   std::vector<std::pair<std::string, std::string>> scenes; ///< name and text of .toml files

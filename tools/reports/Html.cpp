@@ -89,13 +89,6 @@ void tame(cmark_node* document)
   }
 }
 
-std::string withSign(std::string text)
-{
-  if (text.starts_with("-"))
-    text.replace(0, 1, "−");
-  return text;
-}
-
 /// Decimals that keep so many digits of a value.
 int decimalsOf(double value, int digits)
 {
@@ -174,6 +167,11 @@ std::string markdown(std::string_view text)
   return html.get();
 }
 
+std::string literal(const std::string& text)
+{
+  return "`" + text + "`";
+}
+
 std::string markdownLine(std::string_view text)
 {
   std::string html = markdown(text);
@@ -182,6 +180,13 @@ std::string markdownLine(std::string_view text)
   if (html.starts_with("<p>") && html.ends_with("</p>") && html.find("<p>", 1) == std::string::npos)
     html = html.substr(3, html.size() - 7);
   return html;
+}
+
+std::string withSign(std::string text)
+{
+  if (text.starts_with("-"))
+    text.replace(0, 1, "−");
+  return text;
 }
 
 std::string base64(std::span<const std::byte> bytes)

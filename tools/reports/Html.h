@@ -18,8 +18,14 @@ namespace lamella::reports
 /// moved.
 [[nodiscard]] std::string markdown(std::string_view text);
 
-/// The same of a single line: without a paragraph around it.
+/// Markdown that shows a text as it is, as code.
+[[nodiscard]] std::string literal(const std::string& text);
+
+/// markdown() of a single line: without a paragraph around it.
 [[nodiscard]] std::string markdownLine(std::string_view text);
+
+/// A number's text with a minus sign in place of a hyphen.
+[[nodiscard]] std::string withSign(std::string text);
 
 [[nodiscard]] std::string base64(std::span<const std::byte> bytes);
 

@@ -6,6 +6,7 @@
 #include "reports/JsonHtml.h"
 #include "reports/Pictures.h"
 #include "reports/Records.h"
+#include "reports/SweepPlan.h"
 
 #include "session/Text.h"
 
@@ -28,14 +29,30 @@ namespace fs = std::filesystem;
 namespace
 {
 
-constexpr std::size_t mostCurves = 40; // in one chart
+constexpr std::size_t mostCurves = 40;       // in one chart
+constexpr std::size_t mostWarnings = 50;     //
+constexpr std::size_t frameBytes = 64 << 10; // of a page, around its sections, at most
+constexpr int gridWidth = 1800;              // pixels that pictures side by side share
+constexpr int cellWidth = 400;               // of a picture, where as many stand side by side as there is room for
 
 std::size_t pieces(const std::vector<SectionPlan>& sections)
 {
   std::size_t count = 0;
   for (const SectionPlan& section : sections)
-    count += section.figures.size() + section.curves.size() + section.tables.size() + pieces(section.sections);
+  {
+    count += section.figures.size() + section.curves.size() + section.charts.size() + section.tables.size() +
+      pieces(section.sections);
+    for (const GridPlan& grid : section.grids)
+      count += grid.cells.size();
+  }
   return count;
+}
+
+std::string imageHtml(const EmbeddedPicture& picture, const std::string& words)
+{
+  const std::string size =
+    picture.width > 0 ? fmt::format(" width=\"{}\" height=\"{}\"", picture.width, picture.height) : "";
+  return "<img alt=\"" + escaped(words) + "\"" + size + " src=\"" + picture.source + "\">";
 }
 
 /// A page while it is being written.
@@ -58,21 +75,39 @@ private:
   void writeComparison(const std::vector<ComparisonPlan>& rows);
   void writeFigure(const FigurePlan& plan);
   void writeCurves(const CurvesPlan& plan);
+  void writeChart(const std::string& drawn, const std::string& captionHtml);
+  void writeGrids();
+  std::string pictureHtml(const GridPlan::Cell& cell, int mostWide, std::size_t mostBytes);
   void writeTable(const TablePlan& plan);
   void writeScenes(const Found& found);
   void writeReports(const Found& found);
   void writeTimes(const Plan& plan, const Found& found);
-  void writeWarnings(const Found& found);
+  void writeWarnings(const Plan& plan, const Found& found);
   void writeProvenance(const Found& found);
   void writeOthers(const Found& found);
 
   void add(const std::string& html) { body_ += html; }
   void heading(const std::string& text) { add("<h2>" + escaped(text) + "</h2>\n"); }
   /// Names what is missing or damaged where it would stand.
-  void missing(const std::string& file, const Error& error)
+  std::string missingHtml(const std::string& file, const Error& error)
   {
     page_.problems.emplace_back(error.what());
-    add("<p class=\"missing\">" + escaped(file) + " is not shown: " + escaped(error.what()) + "</p>\n");
+    return "<p class=\"missing\">" + escaped(file) + " is not shown: " + escaped(error.what()) + "</p>\n";
+  }
+  void missing(const std::string& file, const Error& error) { add(missingHtml(file, error)); }
+  /// Leaves a part out that would make the page too large: half of it is for pictures side by side.
+  template <typename Part>
+  void bounded(const std::string& what, Part part)
+  {
+    const std::size_t begin = body_.size();
+    part();
+    if (mostBytes_ > 0 && body_.size() > mostBytes_ / 2)
+    {
+      body_.resize(begin);
+      std::erase_if(grids_, [&](const auto& grid) { return grid.first > begin; });
+      page_.problems.push_back(fmt::format(
+        "there is no room for {} in a page of {} at most", what, bytesText(static_cast<double>(mostBytes_))));
+    }
   }
   void step()
   {
@@ -103,7 +138,9 @@ private:
   PageOfResults& page_;
   std::string body_;
   std::map<std::string, std::unique_ptr<DataTable>> tables_;
-  std::vector<JsonFile> records_; ///< provenance by file
+  std::vector<JsonFile> records_;                              ///< provenance by file
+  std::vector<std::pair<std::size_t, const GridPlan*>> grids_; ///< where they come, once all else is there
+  std::size_t mostBytes_ = 0;                                  ///< of the page; 0: any
   std::size_t count_ = 0;
   std::size_t done_ = 0;
 };
@@ -136,12 +173,22 @@ void Writer::writeSection(const SectionPlan& section, const std::string& id, int
   }
   for (const CurvesPlan& curves : section.curves)
   {
-    writeCurves(curves);
+    bounded("a chart of " + curves.file, [&] { writeCurves(curves); });
     step();
+  }
+  for (const ChartPlan& plan : section.charts)
+  {
+    bounded(plan.chart.words, [&] { writeChart(svg(plan.chart), markdownLine(plan.caption)); });
+    step();
+  }
+  for (const GridPlan& grid : section.grids)
+  {
+    add(markdown(grid.caption));
+    grids_.emplace_back(body_.size(), &grid);
   }
   for (const TablePlan& table : section.tables)
   {
-    writeTable(table);
+    bounded(table.file, [&] { writeTable(table); });
     step();
   }
   if (!section.discussion.empty())
@@ -236,10 +283,8 @@ void Writer::writeFigure(const FigurePlan& plan)
       caption += fmt::format(" <span class=\"note\">(shown {} pixels wide; the file has {} × {})</span>", picture.width,
         picture.fullWidth, picture.fullHeight);
     }
-    const std::string size =
-      picture.width > 0 ? fmt::format(" width=\"{}\" height=\"{}\"", picture.width, picture.height) : "";
-    add("<figure><img alt=\"" + escaped(plan.alt.empty() ? plan.file : plan.alt) + "\"" + size + " src=\"" +
-      picture.source + "\">\n<figcaption>" + caption + "</figcaption></figure>\n");
+    add("<figure>" + imageHtml(picture, plan.alt.empty() ? plan.file : plan.alt) + "\n<figcaption>" + caption +
+      "</figcaption></figure>\n");
     if (!picture.provenance.empty())
       records_.push_back({ plan.file, cli::Json::parse(picture.provenance, nullptr, false) });
   }
@@ -294,21 +339,82 @@ void Writer::writeCurves(const CurvesPlan& plan)
     chart.words = chart.yLabel + " over " + chart.xLabel;
     const std::size_t all = chart.curves.size();
     chart.curves.resize(std::min(all, mostCurves));
+    const std::string some =
+      all > mostCurves ? fmt::format(" <span class=\"note\">({} of {} curves)</span>", mostCurves, all) : "";
     const std::string drawn = svg(chart);
     if (drawn.empty())
     {
       throw InputError(
         "'" + plan.file + "' has no numbers to draw in '" + plan.x + "' and '" + plan.y.front() + "'", "");
     }
-    ++page_.charts;
-    const std::string some =
-      all > mostCurves ? fmt::format(" <span class=\"note\">({} of {} curves)</span>", mostCurves, all) : "";
-    add("<figure>" + drawn + "<figcaption>" + markdownLine(plan.caption) + some + "</figcaption></figure>\n");
+    writeChart(drawn, markdownLine(plan.caption) + some);
   }
   catch (const Error& error)
   {
     missing(plan.file, error);
   }
+}
+
+void Writer::writeChart(const std::string& drawn, const std::string& captionHtml)
+{
+  ++page_.charts;
+  add("<figure>" + drawn + "<figcaption>" + captionHtml + "</figcaption></figure>\n");
+}
+
+/// @param mostBytes 0: any
+std::string Writer::pictureHtml(const GridPlan::Cell& cell, int mostWide, std::size_t mostBytes)
+{
+  std::string shown = "<p class=\"missing\">no picture</p>\n";
+  if (!cell.file.empty())
+  {
+    try
+    {
+      const EmbeddedPicture picture = embed(placeOf(cell.file), mostWide, mostBytes);
+      ++page_.figures;
+      page_.scaled += picture.scaled() ? 1 : 0;
+      shown = imageHtml(picture, cell.file) + "\n";
+    }
+    catch (const Error& error)
+    {
+      shown = missingHtml(cell.file, error);
+    }
+  }
+  return "<figure>" + shown + "<figcaption>" + escaped(cell.caption) + "</figcaption></figure>\n";
+}
+
+/// Pictures side by side share the room that all else leaves.
+void Writer::writeGrids()
+{
+  std::size_t pictures = 0;
+  std::size_t around = 0; // of tags, names and captions
+  for (const auto& [place, grid] : grids_)
+  {
+    for (const GridPlan::Cell& cell : grid->cells)
+    {
+      pictures += cell.file.empty() ? 0 : 1;
+      around += 200 + escaped(cell.file).size() + escaped(cell.caption).size();
+    }
+  }
+  const std::size_t taken = body_.size() + around + frameBytes;
+  const std::size_t share = mostBytes_ == 0 ? 0
+    : taken < mostBytes_                    ? (mostBytes_ - taken) / std::max<std::size_t>(1, pictures)
+                                            : 1;
+  std::string whole;
+  std::size_t done = 0;
+  for (const auto& [place, grid] : grids_)
+  {
+    whole += body_.substr(done, place - done);
+    done = place;
+    const int wide = grid->columns == 0 ? cellWidth : gridWidth / static_cast<int>(grid->columns);
+    whole += fmt::format("<div class=\"grid c{}\">\n", grid->columns);
+    for (const GridPlan::Cell& cell : grid->cells)
+    {
+      whole += pictureHtml(cell, std::min(wide, options_.mostWide), share);
+      step();
+    }
+    whole += "</div>\n";
+  }
+  body_ = whole + body_.substr(done);
 }
 
 std::string cellHtml(const DataTable& table, std::size_t row, std::size_t column, const ColumnPlan& plan)
@@ -433,20 +539,26 @@ void Writer::writeTimes(const Plan& plan, const Found& found)
   add("</table></div>\n");
 }
 
-void Writer::writeWarnings(const Found& found)
+void Writer::writeWarnings(const Plan& plan, const Found& found)
 {
   std::string html;
+  std::size_t count = 0;
   for (const JsonFile& report : found.reports)
   {
+    const auto name = plan.names.find(report.name);
     for (const char* const key : { "error", "errors", "warnings" })
     {
       const cli::Json said = report.json.contains(key) ? report.json[key] : cli::Json();
       for (const cli::Json& one : said.is_array() ? said
           : said.is_string()                      ? cli::Json::array({ said })
                                                   : cli::Json::array())
-        html += "<li>" + escaped(report.name) + ": " + valueHtml(one) + "</li>\n";
+        if (++count <= mostWarnings)
+          html += "<li>" + (name == plan.names.end() ? "" : escaped(name->second) + ": ") + escaped(report.name) +
+            ": " + valueHtml(one) + "</li>\n";
     }
   }
+  if (count > mostWarnings)
+    html += fmt::format("<li>and {} more</li>\n", count - mostWarnings);
   if (!html.empty())
   {
     heading("Warnings and errors of the runs");
@@ -490,21 +602,28 @@ void Writer::write(const Plan& plan, const Found& found)
 {
   page_.title = !options_.title.empty() ? options_.title : !plan.title.empty() ? plan.title : "Results";
   count_ = pieces(plan.sections);
-  add(markdown(plan.text));
+  mostBytes_ = plan.mostBytes;
+  bounded("the introduction", [&] { add(markdown(plan.text)); });
   writeContents(plan.sections);
   const std::size_t intro = body_.size();
-  writeScenes(found);
+  if (!plan.scene)
+    writeScenes(found);
   for (std::size_t i = 0; i < plan.sections.size(); ++i)
     writeSection(plan.sections[i], "s" + std::to_string(i + 1), 2);
-  if (!page_.ordered)
+  if (plan.scene)
+    bounded("the scene", [&] { writeScenes(found); });
+  else if (!page_.ordered)
     writeReports(found);
   writeTimes(plan, found);
-  writeWarnings(found);
-  writeProvenance(found);
-  writeOthers(found);
+  bounded(
+    "the warnings", [&] { writeWarnings(plan, found); });
+  bounded(
+    "the provenance", [&] { writeProvenance(found); });
+  bounded("the names of other files", [&] { writeOthers(found); });
+  writeGrids();
   std::string problems;
-  for (const std::string& problem : page_.problems)
-    problems += "<li>" + escaped(problem) + "</li>\n";
+  for (std::size_t i = 0; i < page_.problems.size() && (mostBytes_ == 0 || problems.size() < frameBytes / 2); ++i)
+    problems += "<li>" + escaped(page_.problems[i]) + "</li>\n";
   if (!problems.empty())
   {
     body_.insert(
@@ -522,7 +641,9 @@ PageOfResults pageOf(const fs::path& folder, const fs::path& own, const PageOpti
   const Found found = look(folder, own, result.problems);
   std::error_code none;
   result.ordered = fs::exists(folder / "report.json", none);
-  const Plan plan = result.ordered ? readPlan(requireWithin(folder, folder / "report.json")) : planOf(folder, found);
+  const Plan plan = result.ordered ? readPlan(requireWithin(folder, folder / "report.json"))
+    : found.scene                  ? planOfSweep(folder, found)
+                                   : planOf(folder, found);
   Writer(folder, options, result).write(plan, found);
   return result;
 }

@@ -30,6 +30,7 @@ namespace
 {
 
 constexpr std::int64_t mostPixels = std::int64_t{ 100 } << 20;
+constexpr int narrowest = 48;                                      // of a picture that is made to fit
 constexpr std::uint64_t largestDrawing = std::uint64_t{ 8 } << 20; // of an SVG [bytes]
 
 std::string dataOf(const char* kind, const std::vector<std::uint8_t>& bytes)
@@ -37,7 +38,12 @@ std::string dataOf(const char* kind, const std::vector<std::uint8_t>& bytes)
   return std::string("data:image/") + kind + ";base64," + base64(std::as_bytes(std::span(bytes)));
 }
 
-EmbeddedPicture drawing(const fs::path& path)
+[[noreturn]] void noRoom(const fs::path& path)
+{
+  throw InputError("there is no room for '" + path.string() + "' in the page", "make a smaller picture of it");
+}
+
+EmbeddedPicture drawing(const fs::path& path, std::size_t mostBytes)
 {
   micrograph::FileBytes file(path);
   if (file.size() > largestDrawing)
@@ -48,6 +54,8 @@ EmbeddedPicture drawing(const fs::path& path)
     file.damaged("it holds no whole <svg> element");
   EmbeddedPicture picture;
   picture.source = dataOf("svg+xml", bytes); // in an <img> nothing in it is run or fetched
+  if (mostBytes > 0 && picture.source.size() > mostBytes)
+    noRoom(path);
   return picture;
 }
 
@@ -73,6 +81,27 @@ micrograph::Pixels smaller(micrograph::Pixels pixels, int mostWide)
   return result;
 }
 
+/// PNG or JPEG, which has no transparency: there it is white.
+std::string shorter(const micrograph::Pixels& pixels)
+{
+  std::string png = dataOf("png", micrograph::encodePng(pixels, 0, "", 9));
+  micrograph::Pixels opaque = pixels;
+  if (pixels.channels == 2 || pixels.channels == 4)
+  {
+    opaque.channels = pixels.channels - 1;
+    opaque.values.clear();
+    for (std::size_t i = 0; i < pixels.values.size(); ++i)
+    {
+      const std::size_t last = static_cast<std::size_t>(opaque.channels);
+      const std::size_t alpha = i - i % (last + 1) + last;
+      if (i != alpha)
+        opaque.values.push_back(static_cast<std::uint8_t>(255 - (255 - pixels.values[i]) * pixels.values[alpha] / 255));
+    }
+  }
+  std::string jpeg = dataOf("jpeg", micrograph::encodeJpeg(opaque, 85));
+  return png.size() < jpeg.size() ? png : jpeg;
+}
+
 /// The pixels of the only picture, or of the first page.
 micrograph::Pixels pixelsOf(micrograph::FileBytes& file, micrograph::Probe& probe)
 {
@@ -93,7 +122,7 @@ bool isPicture(const fs::path& path)
   return known.contains(end);
 }
 
-EmbeddedPicture embed(const fs::path& path, int mostWide)
+EmbeddedPicture embed(const fs::path& path, int mostWide, std::size_t mostBytes)
 {
   if (!isPicture(path))
   {
@@ -101,7 +130,7 @@ EmbeddedPicture embed(const fs::path& path, int mostWide)
       "'" + path.string() + "' is no picture by its name", "pictures are PNG, JPEG, TIFF, PGM, PPM, BMP or SVG");
   }
   if (endingOf(path) == ".svg")
-    return drawing(path);
+    return drawing(path, mostBytes);
   micrograph::FileBytes file(path);
   micrograph::Probe probe = micrograph::probe(file);
   EmbeddedPicture picture;
@@ -122,14 +151,21 @@ EmbeddedPicture embed(const fs::path& path, int mostWide)
   if (probe.width <= mostWide && (jpeg || probe.format == micrograph::Format::Png))
   {
     picture.source = dataOf(jpeg ? "jpeg" : "png", file.read(0, file.size()));
-    return picture;
+    if (mostBytes == 0 || picture.source.size() <= mostBytes)
+      return picture;
   }
-  pixels = smaller(std::move(pixels), mostWide);
-  picture.width = pixels.width;
-  picture.height = pixels.height;
-  picture.source =
-    jpeg ? dataOf("jpeg", micrograph::encodeJpeg(pixels)) : dataOf("png", micrograph::encodePng(pixels, 0, "", 1));
-  return picture;
+  for (int width = mostWide; width >= narrowest; width = width * 3 / 4)
+  {
+    pixels = smaller(std::move(pixels), width);
+    picture.width = pixels.width;
+    picture.height = pixels.height;
+    picture.source = mostBytes > 0 ? shorter(pixels)
+      : jpeg                       ? dataOf("jpeg", micrograph::encodeJpeg(pixels))
+                                   : dataOf("png", micrograph::encodePng(pixels, 0, "", 1));
+    if (mostBytes == 0 || picture.source.size() <= mostBytes)
+      return picture;
+  }
+  noRoom(path);
 }
 
 } // namespace lamella::reports

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -24,7 +25,9 @@ struct EmbeddedPicture
 
 /// Reads a picture. PNG and JPEG go into the page byte for byte unless they are wider than `mostWide`; those, and all
 /// other kinds, are drawn anew.
-/// @throws InputError: missing, empty, damaged, another format, more pixels than anybody looks at in a page
-[[nodiscard]] EmbeddedPicture embed(const std::filesystem::path& path, int mostWide);
+/// @param mostBytes of its source; one that has more is drawn smaller, as PNG or JPEG, whichever is shorter. 0: any
+/// @throws InputError: missing, empty, damaged, another format, more pixels than anybody looks at in a page; no room
+///         for even a small one
+[[nodiscard]] EmbeddedPicture embed(const std::filesystem::path& path, int mostWide, std::size_t mostBytes = 0);
 
 } // namespace lamella::reports

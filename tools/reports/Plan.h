@@ -1,5 +1,6 @@
 #pragma once
 
+#include "reports/Chart.h"
 #include "reports/Html.h"
 
 #include <cstddef>
@@ -59,6 +60,26 @@ struct CurvesPlan
   std::string caption;
 };
 
+/// A chart whose numbers are there already.
+struct ChartPlan
+{
+  Chart chart;
+  std::string caption;
+};
+
+/// Small pictures side by side.
+struct GridPlan
+{
+  struct Cell
+  {
+    std::string file;    ///< empty: there is none
+    std::string caption; ///< plain text
+  };
+  std::string caption;
+  std::size_t columns = 0; ///< up to 6; 0: as many as there is room for
+  std::vector<Cell> cells;
+};
+
 /// One number of a table.
 struct CellPlan
 {
@@ -97,6 +118,8 @@ struct SectionPlan
   std::vector<ComparisonPlan> comparison;
   std::vector<FigurePlan> figures;
   std::vector<CurvesPlan> curves;
+  std::vector<ChartPlan> charts;
+  std::vector<GridPlan> grids;
   std::vector<TablePlan> tables;
   std::string discussion;
   std::vector<SectionPlan> sections;
@@ -117,6 +140,9 @@ struct Plan
   std::string machine;
   std::vector<SectionPlan> sections;
   std::vector<TimePlan> times;
+  std::size_t mostBytes = 0;                ///< of the page; 0: any
+  bool scene = false;                       ///< scenes stand behind the sections, and reports are not shown
+  std::map<std::string, std::string> names; ///< what people call files whose errors are shown
 };
 
 /// report.json.

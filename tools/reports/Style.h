@@ -39,6 +39,16 @@ figure { margin: 1.1rem 0; }
 figure img { display: block; max-width: 100%; max-height: 34rem; width: auto; height: auto; background: #ffffff; border: 1px solid var(--line); padding: 0.3rem; }
 figure svg { display: block; width: 100%; max-width: 42rem; height: auto; color: var(--ink); }
 figcaption { margin-top: 0.35rem; }
+.grid { display: grid; gap: 0.9rem 0.7rem; grid-template-columns: repeat(auto-fill, minmax(10rem, 1fr)); align-items: end; margin: 0.9rem 0; }
+.c1 { grid-template-columns: minmax(0, 40rem); }
+.c2 { grid-template-columns: repeat(2, minmax(0, 1fr)); }
+.c3 { grid-template-columns: repeat(3, minmax(0, 1fr)); }
+.c4 { grid-template-columns: repeat(4, minmax(0, 1fr)); }
+.c5 { grid-template-columns: repeat(5, minmax(0, 1fr)); }
+.c6 { grid-template-columns: repeat(6, minmax(0, 1fr)); }
+@media (max-width: 40rem) { .grid { grid-template-columns: repeat(2, minmax(0, 1fr)); } }
+.grid figure { margin: 0; }
+.grid img { width: 100%; max-height: 22rem; object-fit: contain; padding: 0; }
 .missing { border: 1px dashed var(--warn); color: var(--warn); background: var(--warnfill); padding: 0.6rem 0.9rem; margin: 1rem 0; }
 .problems { border: 1px solid var(--warn); background: var(--warnfill); padding: 0.4rem 1rem; margin: 1rem 0; }
 .discussion { border-left: 3px solid var(--line); padding-left: 1rem; margin: 1rem 0; }

@@ -2,6 +2,7 @@
 
 #include "session/Text.h"
 
+#include <algorithm>
 #include <cstddef>
 #include <map>
 
@@ -11,7 +12,7 @@ namespace lamella::cli
 namespace
 {
 
-/// "first_break{strain stress}": a key and those below it.
+/// "first_break{strain stress:Pa}": a key, those below it, and units.
 const std::map<std::string, std::string>& reports()
 {
   static const std::string model =
@@ -19,10 +20,10 @@ const std::map<std::string, std::string>& reports()
     "void_bonds surface_correction large_strains periodic thickness{*{median_nodes share_below_horizon}} loose_pieces "
     "loose_nodes hinges warnings";
   static const std::string run =
-    " seconds peak_memory_bytes size refine pixel_size pixel_size_source phases threads ranks";
+    " seconds peak_memory_bytes size refine pixel_size:m pixel_size_source phases threads ranks";
   static const std::string sizes = " nodes solid_nodes bonds strips{skipped uniform mixed} bytes" + run;
   static const std::string goesOn = " continued_at states_before checkpoints last_checkpoint";
-  static const std::string platens = " load axis gauge_length section_area";
+  static const std::string platens = " load axis gauge_length:m section_area";
   static const std::map<std::string, std::string> all{
     { "diffusion",
       "effective{x y z} extrapolated{x y z} estimated_error estimated_errors{x y z} lattice_error lattice_errors{x y "
@@ -35,55 +36,70 @@ const std::map<std::string, std::string>& reports()
       "effective{x y z} tensor mean_flux tortuosity{x y z} tortuosity_factor{x y z} streamline_tortuosity{x y z} "
       "direction flux_magnitude{smallest largest mean} streamlines line_flux seconds" },
     { "pore-flood-fill",
-      "phase connectivity periodic size unit pixel_size count largest mean total porosity minimum_size dropped{count "
-      "total} open{count share} closed{count share} percolates largest_pore{pore size equivalent_diameter window "
+      "phase connectivity periodic size unit pixel_size:m count largest mean total porosity minimum_size dropped{count "
+      "total} open{count share} closed{count share} percolates largest_pore{pore size equivalent_diameter:m window "
       "touches} distribution ranks seconds" },
     { "transient",
-      "curve stepping lattice direction sides steps time_step relaxation stored_nodes skipped_nodes updates_per_second "
+      "curve stepping lattice direction sides steps time_step:s relaxation stored_nodes skipped_nodes "
+      "updates_per_second "
       "bytes warning ranks seconds" +
         goesOn },
     { "equilibrium",
-      "effective_modulus effective_stress strain first_break{strain stress position phases} largest_stretch_ratio "
-      "mean_stress{xx yy zz xy yz xz} reactions{low high} elastic_energy platen_layers{low high} solver iterations "
+      "effective_modulus:Pa effective_stress:Pa strain first_break{strain stress:Pa position phases} "
+      "largest_stretch_ratio "
+      "mean_stress{xx:Pa yy:Pa zz:Pa xy:Pa yz:Pa xz:Pa} reactions{low high} elastic_energy platen_layers{low high} "
+      "solver iterations "
       "newton_steps residual levels products bond_seconds load_seconds setup_seconds solve_seconds "
       "measure_seconds" +
         platens + model + sizes },
     { "fracture",
-      "peak_stress peak_strain peak_broken effective_modulus first_break{strain stress position phases} broken "
+      "peak_stress:Pa peak_strain peak_broken effective_modulus:Pa first_break{strain stress:Pa position phases} "
+      "broken "
       "broken_by_pair broken_energy end end_reason states compression method breaking platen_layers{low high} "
       "statistics" +
         goesOn + platens + model + sizes },
     { "dynamics",
-      "peak_stress peak_strain peak_time peak_broken first_break_time broken broken_by_pair energies{kinetic elastic "
-      "broken damped supplied initial} energy_defect end end_reason end_time states steps time_step stable_step "
-      "viscosity mean_density reference_energy compression effective_modulus small_strain_break strain_rate "
-      "travel_time statistics" +
+      "peak_stress:Pa peak_strain peak_time:s peak_broken first_break_time:s broken broken_by_pair energies{kinetic "
+      "elastic "
+      "broken damped supplied initial} energy_defect end end_reason end_time:s states steps time_step:s stable_step:s "
+      "viscosity mean_density:kg/m³ reference_energy compression effective_modulus:Pa small_strain_break "
+      "strain_rate:1/s "
+      "travel_time:s statistics" +
         goesOn + platens + model + sizes },
     { "compression",
-      "strain stress axis sides worst_energy_ratio worst_energy_ratio_strain early_energy_ratio "
-      "early_energy_ratio_strain calm_from worst_lateral worst_imbalance first_touch_strain wave_speed slowdowns steps "
-      "states curve law plane walls points_per_node cells_per_node points grid_spacing cells_across_walls "
+      "strain stress:Pa axis sides worst_energy_ratio worst_energy_ratio_strain early_energy_ratio "
+      "early_energy_ratio_strain calm_from worst_lateral worst_imbalance first_touch_strain wave_speed:m/s slowdowns "
+      "steps "
+      "states curve law plane walls points_per_node cells_per_node points grid_spacing:m cells_across_walls "
       "thin_wall_share warnings bytes_per_point updates_per_second setup_seconds run_seconds constants{*} components "
       "stiffness grid_nodes iterations residual solve_seconds" +
         goesOn + run },
     { "stiffness",
-      "components stiffness extrapolated estimated_errors estimated_error error_leaves_out constants{*{value "
-      "extrapolated estimated_error}} bounds{voigt reuss} eigenvalues resisting asymmetry crosses{x y z} mismatch{x{"
+      "components stiffness extrapolated estimated_errors estimated_error error_leaves_out constants{E_*{value:Pa "
+      "extrapolated:Pa estimated_error:Pa} "
+      "G_*{value:Pa extrapolated:Pa estimated_error:Pa} *{value extrapolated estimated_error}} bounds{voigt reuss} "
+      "eigenvalues resisting asymmetry crosses{x y z} mismatch{x{"
       "seam layers} y{seam layers} z{seam layers}} pieces iterations residual levels products steps bond_seconds "
       "setup_seconds solve_seconds measure_seconds estimate_seconds" +
         model + sizes },
     { "stress-pdf",
-      "array component count mean deviation mean_tensile mean_compressive tensile_share compressive_share smallest "
-      "largest reference tail{threshold count share theta theta_error distance} phases thresholds bins bin_width "
+      "array component count mean:Pa deviation:Pa mean_tensile:Pa mean_compressive:Pa tensile_share compressive_share "
+      "smallest:Pa "
+      "largest:Pa reference:Pa tail{threshold count share theta theta_error distance} phases thresholds bins bin_width "
       "seconds" },
     { "crack-path",
-      "phases_file dimension horizon broken_bonds cracks length main{length through start{x y} tip{x y} extension} "
-      "through{x{length in_voids in_solid chord tortuosity} y{length in_voids in_solid chord tortuosity}} angle "
-      "angle_spread left_out{cracks length spurs bonds} crushed_pieces counted_length counted_area count_anisotropy "
+      "phases_file dimension horizon broken_bonds cracks length:m main{length:m through start{x:m y:m} tip{x:m y:m} "
+      "extension:m} "
+      "through{x{length:m in_voids:m in_solid:m chord:m tortuosity} y{length:m in_voids:m in_solid:m chord:m "
+      "tortuosity}} angle:° "
+      "angle_spread:° left_out{cracks length:m spurs bonds} crushed_pieces counted_length:m counted_area:m² "
+      "count_anisotropy "
       "normals paths pairs fragments{count largest_share severed} seconds" },
     { "compression-curve",
-      "rows stiffness{value error intercept r2 toe low high rows} yield{strain stress} peak{strain stress} "
-      "plateau{stress low high end_strain} densification{strain stress energy efficiency} energy missing seconds" },
+      "rows stiffness{value:Pa error:Pa intercept:Pa r2 toe low high rows} yield{strain stress:Pa} peak{strain "
+      "stress:Pa} "
+      "plateau{stress:Pa low high end_strain} densification{strain stress:Pa energy:J/m³ efficiency} energy:J/m³ "
+      "missing seconds" },
     { "collapse-map", "points phase share lumens cut collapsed first_collapse_strain ratio states seconds" },
     { "snapshot", "range data_rectangle backend" },
   };
@@ -107,7 +123,9 @@ std::vector<ReportKeys> read(const std::string& text, std::size_t& at)
     if (c == ' ')
       continue;
     const std::size_t end = text.find_first_of(" {}", at);
-    keys.push_back({ text.substr(at - 1, end == std::string::npos ? end : end - at + 1), {} });
+    const std::string word = text.substr(at - 1, end == std::string::npos ? end : end - at + 1);
+    const std::size_t colon = word.find(':');
+    keys.push_back({ word.substr(0, colon), colon == std::string::npos ? "" : word.substr(colon + 1), {} });
     at = end == std::string::npos ? text.size() : end;
   }
   return keys;
@@ -122,6 +140,33 @@ std::optional<std::vector<ReportKeys>> reportKeys(const std::string& command)
     return std::nullopt;
   std::size_t at = 0;
   return read(found->second, at);
+}
+
+const ReportKeys* keyOf(const std::vector<ReportKeys>& keys, const std::string& name)
+{
+  const auto found = std::ranges::find_if(keys,
+    [&](const ReportKeys& key)
+    {
+      const std::size_t star = key.name.find('*');
+      return star == std::string::npos ? key.name == name : name.starts_with(key.name.substr(0, star));
+    });
+  return found == keys.end() ? nullptr : &*found;
+}
+
+std::string reportUnit(const std::string& command, const std::string& path)
+{
+  const std::vector<ReportKeys> all = reportKeys(command).value_or(std::vector<ReportKeys>{});
+  const std::vector<ReportKeys>* level = &all;
+  std::string unit;
+  for (const std::string& element : split(path, '.'))
+  {
+    const ReportKeys* const key = keyOf(*level, element);
+    if (key == nullptr)
+      return "";
+    unit = key->unit;
+    level = &key->below;
+  }
+  return unit;
 }
 
 std::vector<std::string> arraysGiven(const std::string& command, const std::string& output)

@@ -43,6 +43,13 @@ public:
       values_.emplace_back(rows_);
     }
   }
+  /// Unit and meaning of its numbers.
+  void describe(const std::string& name, const std::string& unit, const std::string& meaning)
+  {
+    declare(name);
+    about_[name] = { unit, meaning };
+  }
+  [[nodiscard]] bool described(const std::string& name) const { return about_.contains(name); }
   void newRow()
   {
     ++rows_;
@@ -77,7 +84,9 @@ public:
             : value.is_number()                     ? value.get<double>()
                                                     : unknown);
       }
-      describe(numbers, "", names_[c], creator);
+      const auto about = about_.find(names_[c]);
+      const auto [unit, meaning] = about == about_.end() ? std::pair(std::string(), names_[c]) : about->second;
+      lamella::describe(numbers, unit, meaning, creator);
       table->AddColumn(numbers);
     }
     return table;
@@ -87,6 +96,7 @@ private:
   std::vector<std::string> names_;
   std::vector<std::vector<Json>> values_;
   std::map<std::string, std::size_t> index_;
+  std::map<std::string, std::pair<std::string, std::string>> about_;
   std::size_t rows_ = 0;
 };
 
@@ -201,6 +211,22 @@ std::vector<std::string> keysAt(const Json& at)
     suggestion(element, keys, keys.empty() ? "it is a number already" : "there are " + quotedList(keys, "and")));
 }
 
+/// The stage that a measure is of: the longest name that fits, as in stageOf(). Null where there is none.
+const SceneStage* stageOf(const Scene& scene, const std::string& path)
+{
+  const SceneStage* stage = nullptr;
+  for (const SceneStage& one : scene.stages)
+    if (path.starts_with(one.name + ".") && (stage == nullptr || one.name.size() >= stage->name.size()))
+      stage = &one;
+  return stage;
+}
+
+std::string measureUnit(const Scene& scene, const std::string& path)
+{
+  const SceneStage* const stage = stageOf(scene, path);
+  return stage == nullptr ? "" : reportUnit(stage->command, path.substr(stage->name.size() + 1));
+}
+
 /// Whether a path is one of these keys. @throws ParameterError
 void checkAhead(const SceneMeasure& measure, const SceneStage& stage, const std::vector<ReportKeys>& keys)
 {
@@ -211,9 +237,8 @@ void checkAhead(const SceneMeasure& measure, const SceneStage& stage, const std:
     std::vector<std::string> names;
     for (const ReportKeys& key : *level)
       names.push_back(key.name);
-    const auto found =
-      std::ranges::find_if(*level, [&](const ReportKeys& key) { return key.name == element || key.name == "*"; });
-    if (found == level->end())
+    const ReportKeys* const found = keyOf(*level, element);
+    if (found == nullptr)
       noSuchKey(measure, stage.name, rest, element, names);
     if (found->below.empty())
       return;
@@ -225,6 +250,7 @@ void addSettings(Columns& columns, const Sweep& sweep, const Json& settings)
 {
   for (const SweepAxis& axis : sweep.axes())
   {
+    columns.describe(axis.path, axis.unit, axis.path);
     const Json& value = settings.at(axis.path);
     columns.set(axis.path, value.is_array() || value.is_object() ? Json(value.dump()) : value);
   }
@@ -243,10 +269,7 @@ void checkMeasuresAhead(const Scene& scene)
 {
   for (const SceneMeasure& measure : scene.measures)
   {
-    const SceneStage* stage = nullptr; // the longest name that fits, as in stageOf()
-    for (const SceneStage& one : scene.stages)
-      if (measure.path.starts_with(one.name + ".") && (stage == nullptr || one.name.size() >= stage->name.size()))
-        stage = &one;
+    const SceneStage* const stage = stageOf(scene, measure.path);
     const auto keys = stage == nullptr ? std::nullopt : reportKeys(stage->command);
     if (keys)
       checkAhead(measure, *stage, *keys);
@@ -295,7 +318,8 @@ vtkSmartPointer<vtkTable> sampleTable(const Scene& scene, const Sweep& sweep, co
     columns.set("status", sample.record ? "done" : "failed");
     for (const SceneMeasure& measure : scene.measures)
     {
-      columns.declare(measure.name);
+      if (!columns.described(measure.name))
+        columns.describe(measure.name, measureUnit(scene, measure.path), measure.path);
       if (sample.record)
       {
         if (const auto value = findMeasure(sample.record->at("stages"), measure.path))
@@ -304,7 +328,16 @@ vtkSmartPointer<vtkTable> sampleTable(const Scene& scene, const Sweep& sweep, co
     }
     if (scene.measures.empty() && sample.record)
       for (const auto& [stage, report] : sample.record->at("stages").items())
-        flatten(report, stage, [&](const std::string& path, const Json& value) { columns.set(path, value); });
+      {
+        flatten(
+          report, stage,
+          [&](const std::string& path, const Json& value)
+          {
+            if (!columns.described(path))
+              columns.describe(path, measureUnit(scene, path), path);
+            columns.set(path, value);
+          });
+      }
   }
   return columns.table("lamella run");
 }
@@ -312,6 +345,9 @@ vtkSmartPointer<vtkTable> sampleTable(const Scene& scene, const Sweep& sweep, co
 vtkSmartPointer<vtkTable> costTable(const std::vector<SampleResult>& samples)
 {
   Columns columns;
+  columns.declare("sample");
+  columns.describe("seconds", "s", "wall time");
+  columns.describe("peak_memory", "bytes", "largest memory of its process");
   for (const SampleResult& sample : samples)
   {
     columns.newRow();
@@ -322,7 +358,10 @@ vtkSmartPointer<vtkTable> costTable(const std::vector<SampleResult>& samples)
       columns.set(key, sample.record->value(key, Json(nullptr)));
     const Json stages = sample.record->value("stage_seconds", Json::object());
     for (const auto& [stage, seconds] : stages.items())
+    {
+      columns.describe("seconds." + stage, "s", "wall time of " + stage);
       columns.set("seconds." + stage, seconds);
+    }
   }
   return columns.table("lamella run");
 }
@@ -366,6 +405,8 @@ vtkSmartPointer<vtkTable> settingTable(const Scene& scene, const Sweep& sweep, v
     columns.newRow();
     for (const std::string& name : settings)
     {
+      if (auto* const numbers = vtkDataArray::SafeDownCast(samples->GetColumnByName(name.c_str())))
+        columns.describe(name, description(numbers)[0], name);
       const vtkVariant value = samples->GetValueByName(rows.front(), name.c_str());
       columns.set(name, value.IsString() ? Json(value.ToString()) : Json(value.ToDouble()));
     }
@@ -394,6 +435,10 @@ vtkSmartPointer<vtkTable> settingTable(const Scene& scene, const Sweep& sweep, v
       }
       const double deviation = count > 1 ? std::sqrt(squares / (count - 1)) : unknown;
       const std::string name = column->GetName();
+      const auto [unit, meaning, creator] = description(column);
+      columns.describe(name + ".mean", unit, "mean of " + meaning);
+      columns.describe(name + ".deviation", unit, "standard deviation of " + meaning);
+      columns.describe(name + ".error", unit, "standard error of the mean of " + meaning);
       columns.set(name + ".mean", count > 0 ? Json(mean) : Json(nullptr));
       columns.set(name + ".deviation", jsonNumber(deviation));
       columns.set(name + ".error", jsonNumber(deviation / std::sqrt(count)));
@@ -402,23 +447,32 @@ vtkSmartPointer<vtkTable> settingTable(const Scene& scene, const Sweep& sweep, v
   return columns.table("lamella run");
 }
 
-vtkSmartPointer<vtkTable> stepTable(
-  const Sweep& sweep, const std::vector<SampleResult>& samples, const std::string& each)
+vtkSmartPointer<vtkTable> stepTable(const Sweep& sweep, const std::vector<SampleResult>& samples, const SceneEach& each)
 {
   Columns columns;
   for (const SampleResult& sample : samples)
   {
-    if (!sample.record || !sample.record->at("steps").contains(each))
+    if (!sample.record || !sample.record->at("steps").contains(each.name))
       continue;
-    for (const Json& step : sample.record->at("steps").at(each))
+    for (const Json& step : sample.record->at("steps").at(each.name))
     {
       columns.newRow();
       columns.set("sample", sample.plan.key);
       addSettings(columns, sweep, sample.plan.settings);
       for (const auto& [key, value] : step.items())
-        if (key != "report")
-          columns.set(key, value);
-      flatten(step.at("report"), "", [&](const std::string& path, const Json& value) { columns.set(path, value); });
+      {
+        if (key == "report")
+          continue;
+        columns.describe(key, key == "time" ? "s" : key == "stress" ? "Pa" : "", key);
+        columns.set(key, value);
+      }
+      flatten(step.at("report"), "",
+        [&](const std::string& path, const Json& value)
+        {
+          if (!columns.described(path))
+            columns.describe(path, reportUnit(each.command, path), path);
+          columns.set(path, value);
+        });
     }
   }
   return columns.table("lamella run");

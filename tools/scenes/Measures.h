@@ -44,9 +44,8 @@ void checkMeasures(const Scene& scene, const Json& stages);
 [[nodiscard]] vtkSmartPointer<vtkTable> settingTable(const Scene& scene, const Sweep& sweep, vtkTable* samples);
 
 /// One row a step of a sample, with the numbers of what ran on it.
-/// @param each name of what ran
 [[nodiscard]] vtkSmartPointer<vtkTable> stepTable(
-  const Sweep& sweep, const std::vector<SampleResult>& samples, const std::string& each);
+  const Sweep& sweep, const std::vector<SampleResult>& samples, const SceneEach& each);
 
 /// Keys over which samples are averaged: those that the scene says, else every `seed`.
 [[nodiscard]] std::vector<std::string> averagedOver(const Scene& scene, const Sweep& sweep);

@@ -445,7 +445,7 @@ private:
       { "settings", settingsTable_ } };
     for (const SceneEach& each : scene_.each)
     {
-      if (auto table = stepTable(sweep_, samples_, each.name); table->GetNumberOfRows() > 0)
+      if (auto table = stepTable(sweep_, samples_, each); table->GetNumberOfRows() > 0)
       {
         std::string name = each.name;
         std::replace(name.begin(), name.end(), '.', '_');
@@ -466,7 +466,12 @@ private:
       files.addTable("results", (folder() / (name + ".csv")).string(), table, true);
       all.emplace_back(name, table.Get());
     }
-    std::vector<std::string> written = files.write(provenance);
+    const auto unsized = [](const Json& stage)
+    { return stage.contains("pixel_size") && stage["pixel_size"].is_null(); };
+    const bool metres = std::ranges::none_of(samples_,
+      [&](const SampleResult& sample)
+      { return sample.record && std::ranges::any_of(sample.record->at("stages"), unsized); });
+    std::vector<std::string> written = files.write(provenance, metres);
     const fs::path archive = folder() / "results.h5";
     writeArchive(archive, all, provenance);
     written.push_back(archive.string());

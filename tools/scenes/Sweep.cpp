@@ -2,6 +2,7 @@
 
 #include "session/Text.h"
 
+#include "SettingTable.h"
 #include "core/Error.h"
 
 #include <fmt/format.h>
@@ -120,12 +121,12 @@ std::optional<std::vector<Json>> range(const std::string& text, const std::strin
 
 Sweep::Sweep(const Scene& scene)
 {
-  const auto add = [&](const std::string& path, const Json& value, Shape shape, const std::string& where)
+  const auto add = [&](const SceneOption& option, const std::string& path, const Json& value, Shape shape)
   {
     if (std::ranges::find(axes_, path, &SweepAxis::path) != axes_.end())
       return;
-    if (auto values = several(value, shape, where))
-      axes_.push_back({ path, std::move(*values), where });
+    if (auto values = several(value, shape, option.where))
+      axes_.push_back({ path, std::move(*values), option.where, unitOf(option.name) });
   };
   const auto look = [&](const SceneOption& option)
   {
@@ -133,11 +134,11 @@ Sweep::Sweep(const Scene& scene)
     {
       for (const auto& [key, value] : option.value.items())
       {
-        add(option.path + "." + key, value, Shape::Single, option.where);
+        add(option, option.path + "." + key, value, Shape::Single);
       }
       return;
     }
-    add(option.path, option.value, option.shape == Shape::Pairs ? Shape::List : option.shape, option.where);
+    add(option, option.path, option.value, option.shape == Shape::Pairs ? Shape::List : option.shape);
   };
   // in the order of the file, where [material] is a section among others
   for (const SceneSection& section : scene.source.sections)

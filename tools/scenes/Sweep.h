@@ -22,6 +22,7 @@ struct SweepAxis
   std::string path; ///< "sample.seed"; of an entry of a table "material.young.wall"
   std::vector<Json> values;
   std::string where;
+  std::string unit; ///< of its numbers; empty: none
 };
 
 /// Values of the swept keys of one sample, by path.

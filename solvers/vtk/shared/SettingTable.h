@@ -83,6 +83,12 @@ public:
 /// Those of a class and of its bases; empty for a class that is not known.
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT const std::vector<Setting>& settingsOf(const std::string& className);
 
+/// The unit of one of its parts: "Young's modulus [Pa]".
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::string unitOf(const Setting& setting, std::size_t part);
+
+/// The unit of the last part of all settings of that word; empty where none has one, or two differ.
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::string unitOf(const std::string& word);
+
 /// What people call it: "max iterations".
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::string nameOf(const Setting& setting);
 

@@ -114,6 +114,31 @@ const std::vector<Setting>& settingsOf(const std::string& className)
   return found == registered().end() ? none : found->second();
 }
 
+std::string unitOf(const Setting& setting, std::size_t part)
+{
+  const std::string name = part < setting.parts.size() ? setting.parts[part] : "";
+  const std::size_t begin = name.find(" [");
+  return begin == std::string::npos ? setting.unit : name.substr(begin + 2, name.size() - begin - 3);
+}
+
+std::string unitOf(const std::string& word)
+{
+  std::string unit;
+  for (const auto& [className, table] : registered())
+  {
+    for (const Setting& setting : table())
+    {
+      const std::string own = unitOf(setting, std::max<std::size_t>(1, setting.parts.size()) - 1);
+      if (setting.word != word || own.empty())
+        continue;
+      if (!unit.empty() && own != unit)
+        return "";
+      unit = own;
+    }
+  }
+  return unit;
+}
+
 std::string nameOf(const Setting& setting)
 {
   std::string name = setting.word;
