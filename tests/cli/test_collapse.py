@@ -147,7 +147,7 @@ class Map(Case):
         self.fails(2, "--strains '0.2,0.1' are not rising", "0.05,0.12", *run, "s0.6.vtp", "--strains", "0.2,0.1")
         self.fails(2, "-o 'm.png'", ".vti", *run, "-o", "m.png")
         self.fails(2, "POINTS is missing", "--help", "collapse-map", "t.vti")
-        self.fails(2, "'resin' is no phase", "lumen, wall", *run, "--lumen", "resin")
+        self.fails(2, "'resin' is no phase", "'lumen' and 'wall'", *run, "--lumen", "resin")
         self.fails(3, "all 3 lumens are smaller than 17 nodes", "smaller ones", *run, "--minimum-size", "17")
         self.fails(3, "there is no file 'no.vtp'", "check the name", "collapse-map", "t.vti", "no.vtp")
         self.fails(3, "holds no image", ".vti", "collapse-map", "s0.3.vtp", "s0.3.vtp")

@@ -311,7 +311,7 @@ TEST_F(Micrograph, PhasesAreChosenByNameOrNumber)
     expectSame(contoursFrom(filter->GetOutput()), expectedContours());
   }
   filter->SetLumenPhase("air");
-  EXPECT_NE(errorOf(filter).find("'air' is no phase of this image\nhint: choose one of its phases: hole, solid"),
+  EXPECT_NE(errorOf(filter).find("'air' is no phase of this image\nhint: its phases are 'hole' and 'solid'"),
     std::string::npos);
 }
 

@@ -187,7 +187,7 @@ TEST_F(PoreFloodFill, WhatCannotBeDoneIsRefusedInWords)
   };
   const std::vector<Case> cases{
     { [](auto* f, auto*) { f->SetPhase("c"); }, "no node of the image is 'c'", "choose another phase" },
-    { [](auto* f, auto*) { f->SetPhase("d"); }, "'d' is no phase of this image", "its phases: a, b, c" },
+    { [](auto* f, auto*) { f->SetPhase("d"); }, "'d' is no phase of this image", "its phases are 'a', 'b' and 'c'" },
     { [](auto* f, auto*) { f->SetPhase(""); }, "no phase is called void, pore, lumen or air", "there are: a, b, c" },
     { [](auto* f, auto*) { f->SetConnectivity(26); }, "connectivity 26 does not fit a picture", "4 (sides) or 8" },
     { [](auto* f, auto*) { f->SetMinimumSize(-1); }, "minimum size -1 is below 0", "0 or more" },
