@@ -104,6 +104,7 @@ TEST(ReportText, NumbersAreRoundedOnce)
   EXPECT_EQ(numberHtml(0.279, 0.0517, { {}, 3 }), "0.279 ± 0.052");
   EXPECT_EQ(numberHtml(0.279, nan, { {}, 3 }), "0.279");
   EXPECT_EQ(numberHtml(0.279, 0, { {}, 4 }), "0.2790");
+  EXPECT_EQ(numberHtml(0.35, 5e-17, {}), "0.35") << "round-off";
   EXPECT_EQ(numberHtml(2e9, 1e8, { 2, {} }), "(2.0 ± 0.1) × 10<sup>9</sup>");
   EXPECT_EQ(writtenHtml(0.123456789), "0.123456789");
   EXPECT_EQ(timeText(7.04), "7.0 s");

@@ -229,7 +229,7 @@ std::string writtenHtml(double value)
 
 std::string numberHtml(double value, double error, const Rounding& rounding)
 {
-  if (!std::isfinite(value) || !std::isfinite(error) || error == 0)
+  if (!std::isfinite(value) || !std::isfinite(error) || std::abs(error) <= roundOff * std::abs(value))
     return numberHtml(value, rounding);
   const int digits = rounding.digits.value_or(usualDigits);
   if (!rounding.decimals && wantsPower(value))

@@ -36,6 +36,7 @@ struct Rounding
   std::optional<int> decimals = {};
 };
 inline constexpr int usualDigits = 4;
+inline constexpr double roundOff = 1e-12; ///< numbers no farther apart are the same, relative
 
 /// A number as HTML: 0.279, −1.5, 2.3 × 10<sup>−7</sup>; "–" for one that is not finite.
 [[nodiscard]] std::string numberHtml(double value, const Rounding& rounding = {});
@@ -43,7 +44,7 @@ inline constexpr int usualDigits = 4;
 /// A number as somebody wrote it down: with all of its digits and no more.
 [[nodiscard]] std::string writtenHtml(double value);
 
-/// "value ± error", both to the same decimals; an error that is 0 or not finite is left out.
+/// "value ± error", both to the same decimals; an error that is 0, to round-off, or not finite is left out.
 [[nodiscard]] std::string numberHtml(double value, double error, const Rounding& rounding = {});
 
 /// "12 s", "3 min 20 s", "2 h 5 min".

@@ -32,9 +32,8 @@ constexpr std::size_t mostCells = 300; // pictures of a page
 constexpr std::size_t mostGrids = 12;  //
 constexpr std::size_t shownValues = 8; // of a key
 constexpr std::size_t shownNames = 20; // of measures that do not change
-constexpr double lowPart = 0.25;       // of the largest number, below which their median lies then
-constexpr double roundOff = 1e-12;     // of numbers that are the same, relative
 constexpr double widely = 30;          // the largest over the least number on a logarithmic axis, at least
+constexpr double lowPart = 0.25;       // of the largest number, below which their median lies then
 
 /// The error of a measure that its command tells, where the scene measures that too.
 struct ToldError

@@ -126,7 +126,7 @@ Sweep::Sweep(const Scene& scene)
     if (std::ranges::find(axes_, path, &SweepAxis::path) != axes_.end())
       return;
     if (auto values = several(value, shape, option.where))
-      axes_.push_back({ path, std::move(*values), option.where, unitOf(option.name) });
+      axes_.push_back({ path, std::move(*values), option.where, unitOfWord(option.name) });
   };
   const auto look = [&](const SceneOption& option)
   {

@@ -87,7 +87,7 @@ public:
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::string unitOf(const Setting& setting, std::size_t part);
 
 /// The unit of the last part of all settings of that word; empty where none has one, or two differ.
-[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::string unitOf(const std::string& word);
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::string unitOfWord(const std::string& word);
 
 /// What people call it: "max iterations".
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::string nameOf(const Setting& setting);

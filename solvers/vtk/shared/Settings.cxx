@@ -121,7 +121,7 @@ std::string unitOf(const Setting& setting, std::size_t part)
   return begin == std::string::npos ? setting.unit : name.substr(begin + 2, name.size() - begin - 3);
 }
 
-std::string unitOf(const std::string& word)
+std::string unitOfWord(const std::string& word)
 {
   std::string unit;
   for (const auto& [className, table] : registered())
