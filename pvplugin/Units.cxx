@@ -75,8 +75,9 @@ private:
     vtkSMProxy* const colors = vtkSMPropertyHelper(bar, "LookupTable").GetAsProxy();
     for (unsigned int i = 0; colors && i < colors->GetNumberOfConsumers(); ++i)
     {
-      vtkSMProxy* const drawn = colors->GetConsumerProxy(i)->GetTrueParentProxy();
-      if (!drawn->GetProperty("ColorArrayName") || !drawn->GetProperty("Input"))
+      vtkSMProxy* const consumer = colors->GetConsumerProxy(i); // null once it is deleted
+      vtkSMProxy* const drawn = consumer ? consumer->GetTrueParentProxy() : nullptr;
+      if (!drawn || !drawn->GetProperty("ColorArrayName") || !drawn->GetProperty("Input"))
         continue;
       const vtkSMPropertyHelper shown(drawn, "ColorArrayName");
       const char* const name = shown.GetInputArrayNameToProcess();
@@ -133,7 +134,7 @@ private:
   /// Of a chart: an empty one, or the one before that came from here.
   void SetTitle(vtkSMProxy* view, const char* name, const std::string& text)
   {
-    if (!view->GetProperty(name))
+    if (!view || !view->GetProperty(name))
       return;
     vtkSMPropertyHelper title(view, name);
     std::string& given = this->Given[{ view, name }];

@@ -6,7 +6,7 @@
 set(HDF5_PREFER_PARALLEL ON)
 if(LAMELLA_PARAVIEW)
   include(LamellaParaView)
-  find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore RemotingViews) # its VTK, which it puts into VTK_DIR
+  find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore) # its VTK, which it puts into VTK_DIR
 endif()
 set(LAMELLA_VTK_COMPONENTS # LamellaConfig.cmake asks for the same
   CommonCore CommonDataModel CommonExecutionModel CommonMath CommonColor FiltersCore FiltersFlowPaths FiltersGeneral
