@@ -34,11 +34,24 @@ class Answers(Case):
             self.assertAlmostEqual(answer["effective"]["x"], 1, delta=1e-8)
             self.assertAlmostEqual(answer["effective"]["y"], 1, delta=1e-8)
 
+    def test_factors_of_one_conducting_phase(self):
+        self.works("generate", "laminate", "--size", "12,10,8", "--axis", "y", "--cells", "2", "--solid-fraction", "0.4", "-o", "l.vti")
+        answer = self.solve("l.vti", "--conductivity", "matrix=3,inclusion=0", "--direction", "x", "--no-error-estimate")
+        self.assertEqual(answer["conducting_phase"], "matrix")
+        share = next(phase["fraction"] for phase in answer["phases"] if phase["name"] == "matrix")
+        self.assertAlmostEqual(answer["relative"]["x"], share, delta=1e-8)  # straight channels
+        self.assertAlmostEqual(answer["formation_factor"]["x"], 1 / share, delta=1e-7)
+        self.assertAlmostEqual(answer["tortuosity_factor"]["x"], 1, delta=1e-7)
+        both = self.solve("l.vti", "--conductivity", "matrix=3,inclusion=1", "--direction", "y", "--no-error-estimate")
+        self.assertIsNone(both["conducting_phase"])
+        self.assertEqual((both["relative"], both["formation_factor"]), ({"y": None}, {"y": None}))
+        self.assertAlmostEqual(both["tortuosity_factor"]["y"], both["bounds"]["parallel"] / both["bounds"]["series"], delta=1e-7)
+
     def test_every_documented_key_is_there(self):
         self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
         answer = self.solve("t.png", *CONDUCTIVITIES, "--threads", "2")
         for key in [
-            "effective", "extrapolated", "estimated_error", "estimated_errors", "lattice_error", "lattice_errors",
+            "effective", "extrapolated", "conducting_phase", "relative", "formation_factor", "tortuosity_factor", "estimated_error", "estimated_errors", "lattice_error", "lattice_errors",
             "picture_error", "picture_errors", "target_error", "target", "tensor", "bounds", "iterations",
             "seconds", "setup_seconds", "solve_seconds", "peak_memory_bytes", "method", "directions", "phases", "file",
             "size", "window", "pixel_size", "pixel_size_source", "refine", "lattice", "sides", "length", "tolerance",

@@ -437,6 +437,8 @@ class Diffusion(unittest.TestCase):
         self.assertTrue(np.isnan(result.effective[0, 1]) and np.isnan(result.effective[1, 0]))  # the box decides
         self.assertAlmostEqual(result.bounds["series"], 2 / 1.1)
         self.assertAlmostEqual(result.bounds["parallel"], 5.5)
+        self.assertEqual((result.relative, result.formation_factor), ({}, {}))  # both phases conduct
+        self.assertAlmostEqual(result.tortuosity_factor["x"], 5.5 / result.effective[0, 0])
         field = result.fields["temperature_y"]
         self.assertEqual(field.shape, (20, 30))
         self.assertGreater(field[0, 0], 0.95)  # enters at the top

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace lamella::cli
 {
@@ -82,6 +83,15 @@ void addValues(Json& json, const DiffusionReport& report)
     const char* const axis = axisNames[answer.axis];
     json["effective"][axis] = jsonNumber(own(answer));
     json["extrapolated"][axis] = jsonNumber(answer.error.extrapolated);
+  }
+  const std::optional<std::size_t> alone = report.found.conductingPhase();
+  json["conducting_phase"] = alone ? Json(report.found.phases[*alone]) : Json(nullptr);
+  for (const auto& answer : report.found.answers)
+  {
+    const char* const axis = axisNames[answer.axis];
+    json["relative"][axis] = jsonNumber(report.found.relative(answer));
+    json["formation_factor"][axis] = jsonNumber(1 / report.found.relative(answer));
+    json["tortuosity_factor"][axis] = jsonNumber(report.found.tortuosityFactor(answer));
   }
   for (const auto& [key, kind] : { std::pair{ "estimated_error", &ErrorEstimate::relative },
          std::pair{ "lattice_error", &ErrorEstimate::lattice }, std::pair{ "picture_error", &ErrorEstimate::picture } })
@@ -270,6 +280,14 @@ std::string toTable(const DiffusionReport& report)
     for (const auto& answer : report.found.answers)
       if (std::isfinite(answer.error.extrapolated))
         text += fmt::format("    {}  {:.5g}\n", axisNames[answer.axis], answer.error.extrapolated);
+  }
+  if (const std::optional<std::size_t> alone = report.found.conductingPhase())
+  {
+    text += fmt::format(
+      "  relative to {}, which alone conducts; formation factor; tortuosity factor\n", report.found.phases[*alone]);
+    for (const auto& answer : report.found.answers)
+      text += fmt::format("    {}  {:<20.7g}  {:<8.5g}  {:.5g}\n", axisNames[answer.axis],
+        report.found.relative(answer), 1 / report.found.relative(answer), report.found.tortuosityFactor(answer));
   }
   text +=
     fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",

@@ -26,7 +26,8 @@ const std::map<std::string, std::string>& reports()
   static const std::string platens = " load axis gauge_length:m section_area";
   static const std::map<std::string, std::string> all{
     { "diffusion",
-      "effective{x y z} extrapolated{x y z} estimated_error estimated_errors{x y z} lattice_error lattice_errors{x y "
+      "effective{x y z} extrapolated{x y z} conducting_phase relative{x y z} formation_factor{x y z} "
+      "tortuosity_factor{x y z} estimated_error estimated_errors{x y z} lattice_error lattice_errors{x y "
       "z} "
       "picture_error picture_errors{x y z} target_error target tensor bounds{series parallel hashin_shtrikman} "
       "iterations setup_seconds solve_seconds method directions{x y z} window warnings segmentation lattice sides "

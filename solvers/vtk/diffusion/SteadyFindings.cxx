@@ -66,6 +66,30 @@ bool SteadyFindings::outlinesServe() const
       fractions, [](double f) { return f > 0; }) == 2;
 }
 
+std::optional<std::size_t> SteadyFindings::conductingPhase() const
+{
+  std::optional<std::size_t> only;
+  for (std::size_t id = 0; id < fractions.size(); ++id)
+  {
+    const bool conducts = fractions[id] > 0 && (conductivity[id] > 0 || (!across.empty() && across[id] > 0));
+    if (conducts && (only || (!across.empty() && across[id] != conductivity[id])))
+      return std::nullopt;
+    only = conducts ? id : only;
+  }
+  return only;
+}
+
+double SteadyFindings::relative(const lbm::DiffusionAnswer& answer) const
+{
+  const std::optional<std::size_t> phase = conductingPhase();
+  return phase ? answer.result.effective[static_cast<std::size_t>(answer.axis)] / conductivity[*phase] : notFound;
+}
+
+double SteadyFindings::tortuosityFactor(const lbm::DiffusionAnswer& answer) const
+{
+  return bounds.parallel / answer.result.effective[static_cast<std::size_t>(answer.axis)];
+}
+
 SteadyFindings SteadyFindings::along(int axis) const
 {
   SteadyFindings one = *this;
@@ -85,7 +109,13 @@ void describe(vtkImageData* output, const SteadyFindings& found)
       byDirection(found, [kind = kind](const auto& answer) { return answer.error.*kind; }));
   }
   const auto write = [&](const char* name, auto&& read) { setFieldNumbers(output, name, byDirection(found, read)); };
-  write("extrapolated_conductivity", [](const auto& answer) { return answer.error.extrapolated; });
+  write(
+    "extrapolated_conductivity", [](const auto& answer) { return answer.error.extrapolated; });
+  write(
+    "relative_conductivity", [&](const auto& answer) { return found.relative(answer); });
+  write(
+    "formation_factor", [&](const auto& answer) { return 1 / found.relative(answer); });
+  write("tortuosity_factor", [&](const auto& answer) { return found.tortuosityFactor(answer); });
   setFieldNumbers(output, "bounds",
     std::array{ found.bounds.series, found.bounds.hashinShtrikmanLower, found.bounds.hashinShtrikmanUpper,
       found.bounds.parallel });

@@ -7,6 +7,8 @@
 #include "vtkLamellaSolversVTKModule.h" // for the export macro
 
 #include <array>
+#include <cstddef>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -41,6 +43,13 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   /// Whether outlines can be drawn through the pixels: a picture of two phases, each of which conducts the same in
   /// every direction.
   [[nodiscard]] bool outlinesServe() const;
+  /// The only phase that conducts, where there is one and it conducts the same in every direction.
+  [[nodiscard]] std::optional<std::size_t> conductingPhase() const;
+  /// Effective over that phase's conductivity, the inverse of the formation factor; NaN where several phases conduct.
+  [[nodiscard]] double relative(const lbm::DiffusionAnswer& answer) const;
+  /// Mean conductivity, the parallel bound, over the effective one. Of one conducting phase its fraction over
+  /// relative().
+  [[nodiscard]] double tortuosityFactor(const lbm::DiffusionAnswer& answer) const;
   /// Those of one direction alone.
   [[nodiscard]] SteadyFindings along(int axis) const;
 };

@@ -21,6 +21,9 @@
  *   node a pixel and that of the pixels' own steps (lattice/PictureError.h); they may cancel. Each `_by_direction`: 3
  *   numbers. `extrapolated_conductivity`: 3 numbers, the diagonal that the material is expected to have; NaN where that
  *   is not surely nearer.
+ * - `tortuosity_factor`: 3 numbers, mean conductivity (the parallel bound) over the effective one. Where one phase alone
+ *   conducts also `relative_conductivity`, effective over that phase's (of pores D_eff / D_0), and `formation_factor`, its
+ *   inverse; the tortuosity factor then is the phase's fraction times the formation factor. NaN where several conduct
  * - `bounds`: series, Hashin–Shtrikman of isotropic media (lower, upper), parallel; of a phase with two conductivities
  *   the lower ones are those of the smaller, the upper ones those of the larger
  * - `balance`, `solver_error`, `iterations`, `stored_nodes`, `skipped_nodes`, `refinement`: 3 numbers, by direction;

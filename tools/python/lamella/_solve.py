@@ -39,6 +39,13 @@ class DiffusionResult(ImageBase):
     extrapolated: dict[str, float] = told(
         "Effective conductivity that the material is expected to have, by direction: only where it is nearer.",
         "extrapolated_conductivity", by="_by_direction")
+    relative: dict[str, float] = told(
+        "Effective over the conductivity of the only phase that conducts (of pores D_eff / D_0), by direction; empty where"
+        " several conduct.", "relative_conductivity", by="_by_direction")
+    formation_factor: dict[str, float] = told("Its inverse, by direction.", by="_by_direction")
+    tortuosity_factor: dict[str, float] = told(
+        "Mean conductivity of the phases over the effective one, by direction; of one conducting phase its fraction times"
+        " the formation factor.", by="_by_direction")
 
     @property
     def bounds(self) -> dict[str, float]:
