@@ -188,7 +188,11 @@ FluxInput fluxInput(vtkImageData* piece, vtkInformation* value, vtkInformation* 
         throw InputError("the image has no point array 'temperature', 'concentration' or 'flux'",
           "apply Steady Diffusion first, or choose the arrays with SetInputArrayToProcess");
       }
-      input.periodic = fieldText(piece, "sides").value_or("insulated") == "periodic";
+      const std::string sides = fieldText(piece, "sides").value_or("insulated");
+      if (sides == "mixed")
+        throw InputError("the field was solved with mixed sides, and a flux map knows insulated and periodic ones",
+          "solve it with one of these, or draw the flux of the solver");
+      input.periodic = sides == "periodic";
       const std::string lattice = fieldText(piece, "lattice").value_or("");
       for (const auto stencil : { lbm::Stencil::D2Q5, lbm::Stencil::D2Q9, lbm::Stencil::D3Q7, lbm::Stencil::D3Q19 })
         if (lattice == lbm::name(stencil))

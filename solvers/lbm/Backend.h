@@ -24,16 +24,16 @@ struct Problem
   [[nodiscard]] Links links() const { return { lattice, options.stencil, boundary(), diffusivity, table }; }
   [[nodiscard]] std::array<Boundary, 3> boundary() const
   {
-    const Boundary side = options.sides == Sides::Periodic ? Boundary::Periodic : Boundary::Insulated;
+    const Boundary side = options.sides == Sides::Insulated ? Boundary::Insulated : Boundary::Periodic;
     std::array<Boundary, 3> b{ side, side, side };
-    if (options.sides == Sides::Insulated)
+    if (options.sides != Sides::Periodic)
       b[axis] = Boundary::Fixed;
     return b;
   }
   [[nodiscard]] std::array<bool, 3> periodic() const
   {
-    const bool p = options.sides == Sides::Periodic;
-    return { p, p, p && lattice.dimension == 3 };
+    const auto wraps = [b = boundary()](int a) { return b[a] == Boundary::Periodic; };
+    return { wraps(0), wraps(1), wraps(2) && lattice.dimension == 3 };
   }
 };
 

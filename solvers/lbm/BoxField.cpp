@@ -59,7 +59,7 @@ void BoxField::setLinearProfile()
 
 void BoxField::fillGhosts()
 {
-  if (problem_.options.sides == Sides::Periodic)
+  if (problem_.periodic()[0])
     for (std::int64_t z = 0; z < block_.size[2]; ++z)
       for (std::int64_t y = 0; y < block_.size[1]; ++y)
       {

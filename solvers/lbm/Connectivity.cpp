@@ -39,6 +39,10 @@ NodeSet floodFromFace(const Lattice& lattice, const Block& block, const Halo& ha
       front.push_back(p);
     }
   };
+  const std::int64_t nx = block.size[0];
+  const auto wrapped = [&](std::int64_t x) {
+    return links.boundary(0) != Boundary::Periodic ? x : x < 0 ? x + nx : x >= nx ? x - nx : x;
+  };
   const auto owned = [&](const LinkPosition& p)
   { return p[1] >= 0 && p[1] < block.size[1] && p[2] >= 0 && p[2] < block.size[2]; };
   const auto spread = [&]
@@ -49,7 +53,7 @@ NodeSet floodFromFace(const Lattice& lattice, const Block& block, const Halo& ha
       front.pop_back();
       for (const Direction& d : links.all())
       {
-        const LinkPosition q{ p[0] + d.x, p[1] + d.y, p[2] + d.z };
+        const LinkPosition q{ wrapped(p[0] + d.x), p[1] + d.y, p[2] + d.z };
         if (q[0] >= 0 && q[0] < block.size[0] && owned(q) && links.open(d, p[0], p[1] + block.start[1]))
           visit(q);
       }
@@ -71,8 +75,9 @@ NodeSet floodFromFace(const Lattice& lattice, const Block& block, const Halo& ha
       }
   spread();
 
-  // Hand the front over to the neighbours until nothing changes anywhere.
-  for (bool changed = comm.parallel(); changed;)
+  // Hand the front over to the neighbours, and round periodic sides, until nothing changes anywhere.
+  const bool round = links.boundary(1) == Boundary::Periodic || links.boundary(2) == Boundary::Periodic;
+  for (bool changed = comm.parallel() || round; changed;)
   {
     reached.exchange(halo);
     const auto fromGhost = [&](std::int64_t y, std::int64_t z)
@@ -82,7 +87,7 @@ NodeSet floodFromFace(const Lattice& lattice, const Block& block, const Halo& ha
         {
           for (const Direction& d : links.all())
           {
-            const LinkPosition q{ x + d.x, y + d.y, z + d.z };
+            const LinkPosition q{ wrapped(x + d.x), y + d.y, z + d.z };
             if (q[0] >= 0 && q[0] < block.size[0] && owned(q) && links.open(d, x, y + block.start[1]))
               visit(q);
           }

@@ -475,7 +475,7 @@ private:
     {
       const auto full = image_.lattice.size[a];
       auto size = std::max<std::int64_t>(1, static_cast<std::int64_t>(share * static_cast<double>(full)));
-      if (options_.steady.sides == Sides::Periodic)
+      if (options_.steady.sides != Sides::Insulated)
         size = std::max<std::int64_t>(std::min<std::int64_t>(2, full), size / 2 * 2);
       w.size[a] = size;
       w.start[a] = (full - size) / 2;

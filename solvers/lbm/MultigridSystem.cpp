@@ -465,7 +465,7 @@ void MultigridSystem::setWalls(Level& level) const
 
 bool multigridFits(const Lattice& lattice, Sides sides)
 {
-  const bool p = sides == Sides::Periodic;
+  const bool p = sides != Sides::Insulated; // of mixed ones all but one axis, whichever is solved for
   const std::array<bool, 3> periodic{ p, p, p && lattice.dimension == 3 };
   std::array<std::int64_t, 3> size = lattice.size;
   while (canHalve(size, periodic))

@@ -152,6 +152,9 @@ void requireLinks(const Lattice& lattice, const SteadyOptions& options)
     for (const double g : *values)
       if (!std::isfinite(g) || g < 0)
         throw ParameterError(fmt::format("a link has the conductivity {}", g), "give finite values of at least 0");
+  if (options.sides == Sides::Mixed)
+    throw ParameterError(
+      "conductivities of single links were given for mixed sides", "take insulated or periodic sides");
   if (options.sides != Sides::Periodic)
     return;
   bool wraps = true;

@@ -29,11 +29,13 @@ enum class Stencil
 
 /// What bounds the box. Insulated: value 1 and 0 on the two faces of the direction that is solved for, half a spacing
 /// outside the outer nodes, and no flux through all others. Periodic: a cell of an infinite medium under a mean
-/// gradient; every side is periodic and the full effective tensor follows.
+/// gradient; every side is periodic and the full effective tensor follows. Mixed: values on the two faces, periodic
+/// across.
 enum class Sides
 {
   Insulated,
-  Periodic
+  Periodic,
+  Mixed
 };
 
 enum class Method

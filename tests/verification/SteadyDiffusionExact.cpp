@@ -47,7 +47,7 @@ TEST(EmptyBox, ConductsAsItself)
 {
   for (const int dimension : { 2, 3 })
     for (const bool diagonal : { false, true })
-      for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic })
+      for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic, lbm::Sides::Mixed })
         for (int axis = 0; axis < dimension; ++axis)
         {
           auto image = noise(8, 16, dimension == 3 ? 4 : 1, 2.0, 1); // all phase b

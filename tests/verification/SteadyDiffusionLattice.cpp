@@ -2,9 +2,13 @@
 // rest in it is LatticeBoltzmannRest.cpp's.
 #include "Diffusion.h"
 
+#include "core/Error.h"
+
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
+#include <tuple>
 #include <vector>
 
 namespace
@@ -22,7 +26,7 @@ TEST(Methods, AgreeOnEveryLatticeAndSide)
     { 5, 400, 1 }, { 2, 3, 200 } };
   for (const auto& n : sizes)
     for (const bool diagonal : { false, true })
-      for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic })
+      for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic, lbm::Sides::Mixed })
         for (const int axis : { 0, 1 })
         {
           const auto image = noise(n.nx, n.ny, n.nz, 0.5, 5);
@@ -76,7 +80,7 @@ TEST(Methods, ThreadsGiveTheSame)
 
 TEST(Fields, MeanFluxIsTheEffectiveColumn)
 {
-  for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic })
+  for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic, lbm::Sides::Mixed })
     for (const double weak : { 0.1, 0.0 })
       for (const bool diagonal : { false, true })
       {
@@ -110,6 +114,62 @@ TEST(Fields, MeanFluxIsTheEffectiveColumn)
             EXPECT_LE(value[node], 1 + 1e-9);
           }
       }
+}
+
+/// The picture and its mirror images beyond the high sides of all axes but one.
+PhaseImage mirrored(const PhaseImage& image, int axis)
+{
+  std::array<std::int64_t, 3> size = image.lattice.size;
+  for (int a = 0; a < image.lattice.dimension; ++a)
+    size[static_cast<std::size_t>(a)] *= a == axis ? 1 : 2;
+  PhaseImage whole = noise(size[0], size[1], size[2], 0, 1);
+  const auto back = [&](std::int64_t p, std::size_t a)
+  { return p < image.lattice.size[a] ? p : 2 * image.lattice.size[a] - 1 - p; };
+  std::size_t node = 0;
+  for (std::int64_t z = 0; z < size[2]; ++z)
+    for (std::int64_t y = 0; y < size[1]; ++y)
+      for (std::int64_t x = 0; x < size[0]; ++x)
+        whole.phase[node++] =
+          image.phase[static_cast<std::size_t>(image.lattice.index(back(x, 0), back(y, 1), back(z, 2)))];
+  return whole;
+}
+
+TEST(MixedSides, OfMirrorImagesAreInsulatedOnes)
+{
+  for (const auto& [nx, ny, nz] : { std::tuple{ 24, 31, 1 }, { 33, 20, 1 }, { 10, 13, 12 } })
+    for (const double weak : { 0.1, 0.0 })
+      for (const bool diagonal : { false, true })
+        for (int axis = 0; axis < (nz > 1 ? 3 : 2); ++axis)
+        {
+          const auto image = noise(nx, ny, nz, 0.75, 3);
+          Case s{ .axis = axis, .sides = lbm::Sides::Insulated, .diagonal = diagonal };
+          const double insulated = solve(image, { weak, 1.0 }, s).effective[axis];
+          s.sides = lbm::Sides::Mixed;
+          EXPECT_NEAR(solve(mirrored(image, axis), { weak, 1.0 }, s).effective[axis], insulated, 1e-9 * insulated);
+        }
+}
+
+// Pores that lead from face to face only round a side, and the same cell begun elsewhere.
+TEST(MixedSides, DoNotCareWhereTheCellBegins)
+{
+  const std::int64_t n = 24;
+  const auto stripe = [&](std::int64_t first)
+  {
+    PhaseImage image = noise(n, n, 1, 0, 1);
+    for (std::int64_t y = 0; y < n; ++y)
+      for (std::int64_t i = 0; i < 5; ++i)
+        image.phase[static_cast<std::size_t>(image.lattice.index((first + y + i) % n, y))] = 1;
+    return image;
+  };
+  EXPECT_THROW(solve(stripe(12), { 0.0, 1.0 }, { .axis = 1 }), NoPathError);
+  for (const double weak : { 0.0, 0.05 })
+  {
+    const auto of = [&](std::int64_t first) {
+      return solve(stripe(first), { weak, 1.0 }, { .axis = 1, .sides = lbm::Sides::Mixed }).effective[1];
+    };
+    for (const std::int64_t first : { 5, 12, 23 })
+      EXPECT_NEAR(of(first), of(0), 1e-9 * of(0));
+  }
 }
 
 TEST(Skipping, DeadPhasesAreNeitherStoredNorVisited)

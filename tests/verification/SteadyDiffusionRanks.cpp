@@ -68,7 +68,7 @@ TEST(Ranks, CutCubesAcrossZ)
 TEST(Ranks, GiveTheSame2D)
 {
   for (const bool diagonal : { false, true })
-    for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic })
+    for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic, lbm::Sides::Mixed })
       for (const int axis : { 0, 1 })
       {
         compare(noise(64, 96, 1, 0.5, 3), { 0.1, 1.0 }, { .axis = axis, .sides = sides, .diagonal = diagonal });
@@ -81,7 +81,7 @@ TEST(Ranks, GiveTheSame2D)
 TEST(Ranks, GiveTheSame3D)
 {
   for (const bool diagonal : { false, true })
-    for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic })
+    for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic, lbm::Sides::Mixed })
       for (const int axis : { 0, 2 })
       {
         compare(noise(24, 32, 40, 0.5, 3), { 0.1, 1.0 }, { .axis = axis, .sides = sides, .diagonal = diagonal });

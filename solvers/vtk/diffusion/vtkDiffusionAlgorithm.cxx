@@ -51,7 +51,7 @@ const char* vtkDiffusionAlgorithm::QuantityName() const
 
 const char* vtkDiffusionAlgorithm::SidesName() const
 {
-  return this->Sides == PERIODIC ? "periodic" : "insulated";
+  return this->Sides == PERIODIC ? "periodic" : this->Sides == MIXED ? "mixed" : "insulated";
 }
 
 int vtkDiffusionAlgorithm::ThreadCount() const

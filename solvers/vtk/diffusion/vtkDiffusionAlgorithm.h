@@ -60,7 +60,8 @@ public:
   enum SideTypes
   {
     INSULATED = 0,
-    PERIODIC = 1
+    PERIODIC = 1,
+    MIXED = 2 ///< values on the two faces of the direction, periodic across
   };
   /**
    * The other sides.

@@ -357,7 +357,7 @@ void vtkLatticeBoltzmann::Internals::Running::SetOptions()
   lbm::SteppingOptions& options = this->Options;
   options.stencil = this->Scene.stencil(self.Lattice);
   options.collision = static_cast<lbm::Collision>(self.Collision);
-  options.sides.fill(self.Sides == PERIODIC ? lbm::Boundary::Periodic : lbm::Boundary::Insulated);
+  options.sides.fill(self.Sides == INSULATED ? lbm::Boundary::Insulated : lbm::Boundary::Periodic);
   options.sides[this->Axis] = lbm::Boundary::Fixed;
   options.faceValues[this->Axis] = { self.InletValue, self.OutletValue };
   if (this->FromTop)

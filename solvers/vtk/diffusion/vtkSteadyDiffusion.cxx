@@ -317,6 +317,9 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
         throw lamella::ParameterError(
           std::string("conductivities along and across walls on ") + lbm::name(scene.stencil(this->Lattice)),
           "they want the diagonal links of d2q9: choose it, or leave the choice");
+      if (!found.across.empty() && this->Sides == MIXED)
+        throw lamella::ParameterError(
+          "conductivities along and across walls with mixed sides", "take insulated or periodic sides");
       if (!found.across.empty() && lattice.dimension != 2)
         throw lamella::ParameterError("conductivities along and across walls in a volume",
           "they go with pictures; give each phase of a volume one value");
@@ -358,7 +361,9 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   }
   lbm::SteadyOptions& options = internal.Steady;
   options.stencil = found.stencil;
-  options.sides = this->Sides == PERIODIC ? lbm::Sides::Periodic : lbm::Sides::Insulated;
+  options.sides = this->Sides == PERIODIC ? lbm::Sides::Periodic
+    : this->Sides == MIXED                ? lbm::Sides::Mixed
+                                          : lbm::Sides::Insulated;
   options.method = methodOf(this->Method);
   options.tolerance = this->Tolerance;
   options.maxIterations = this->MaximumIterations;

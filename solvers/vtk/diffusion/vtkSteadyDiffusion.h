@@ -21,9 +21,10 @@
  *   node a pixel and that of the pixels' own steps (lattice/PictureError.h); they may cancel. Each `_by_direction`: 3
  *   numbers. `extrapolated_conductivity`: 3 numbers, the diagonal that the material is expected to have; NaN where that
  *   is not surely nearer.
- * - `tortuosity_factor`: 3 numbers, mean conductivity (the parallel bound) over the effective one. Where one phase alone
- *   conducts also `relative_conductivity`, effective over that phase's (of pores D_eff / D_0), and `formation_factor`, its
- *   inverse; the tortuosity factor then is the phase's fraction times the formation factor. NaN where several conduct
+ * - `tortuosity_factor`: 3 numbers, mean conductivity (the parallel bound) over the effective one. Where one phase
+ * alone conducts also `relative_conductivity`, effective over that phase's (of pores D_eff / D_0), and
+ * `formation_factor`, its inverse; the tortuosity factor then is the phase's fraction times the formation factor. NaN
+ * where several conduct
  * - `bounds`: series, Hashin–Shtrikman of isotropic media (lower, upper), parallel; of a phase with two conductivities
  *   the lower ones are those of the smaller, the upper ones those of the larger
  * - `balance`, `solver_error`, `iterations`, `stored_nodes`, `skipped_nodes`, `refinement`: 3 numbers, by direction;
@@ -37,7 +38,8 @@
  * of the split pixels.
  *
  * **Sides**: INSULATED: values 1 and 0 on the two faces of the direction, half a spacing outside the outer nodes, no
- * flux through all others. PERIODIC: a cell of an infinite medium under a mean gradient, all sides periodic.
+ * flux through all others. MIXED: the same values, periodic across. PERIODIC: a cell of an infinite medium under a mean
+ * gradient, all sides periodic.
  *
  * **Lattice**: D2Q5 and D3Q7 are the finite volume scheme with harmonic faces. Conductivities along and across a wall
  * want D2Q9, which AUTO_LATTICE then takes.
