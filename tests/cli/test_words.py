@@ -82,7 +82,7 @@ class Words(Case):
         self.assertEqual(completed("lamella", "diff"), ["diffusion"])
         self.assertEqual(completed("lamella", "generate", "soft"), ["softwood"])
         self.assertEqual(completed("lamella", "generate", "softwood", "--see"), ["--seed"])
-        self.assertEqual(completed("lamella", "diffusion", "p.png", "--sides", ""), ["insulated", "periodic"])
+        self.assertEqual(completed("lamella", "diffusion", "p.png", "--sides", ""), ["insulated", "periodic", "mixed"])
         self.assertEqual(completed("lamella", "diffusion", "p.p"), [])  # then the shell offers files
         self.assertIn("complete -c lamella", self.works("--completion", "fish").out)
         self.fails(2, "--completion 'basch' is not a shell", "did you mean 'bash'?", "--completion", "basch")
