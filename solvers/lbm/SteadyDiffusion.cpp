@@ -409,8 +409,8 @@ std::uint64_t estimateBytes(const Lattice& lattice, Stencil stencil, Method meth
   }
   if (method == Method::PieceMultigrid) // measured, on tissue, balls and sandstone
     return static_cast<std::uint64_t>(lattice.count()) * 8 + static_cast<std::uint64_t>(conducting) * 22;
-  if (method == Method::LeanMultigrid) // measured, with the ghost rows of an ordinary size
-    return static_cast<std::uint64_t>(lattice.count()) * (lattice.dimension == 2 ? 14 : 10);
+  if (method == Method::LeanMultigrid)
+    return leanBytes(lattice);
   // multigrid: measured, with the ghost rows of an ordinary size
   const std::uint64_t perNode = lattice.dimension == 2 ? (diagonal ? 90 : 80) : (diagonal ? 120 : 56);
   return static_cast<std::uint64_t>(lattice.count()) * perNode;

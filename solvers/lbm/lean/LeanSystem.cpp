@@ -305,6 +305,25 @@ bool leanFits(const Problem& problem)
   return true;
 }
 
+std::uint64_t leanBytes(const Lattice& lattice)
+{
+  const auto floats = [&](const std::array<std::int64_t, 3>& n)
+  {
+    // in doubles: a refinement typed wrongly can have more nodes than 64 bits count
+    const double rows = static_cast<double>(n[1] + 2) * static_cast<double>(lattice.dimension == 3 ? n[2] + 2 : 1);
+    return rows * static_cast<double>(Grid(2, n[0], 1, 1).stride);
+  };
+  std::array<std::int64_t, 3> n = lattice.size;
+  double total = floats(n);
+  while (canHalve(n, { false, false, false }))
+  {
+    for (auto& size : n)
+      size = (size + 1) / 2;
+    total += floats(n) * (lattice.dimension + 2); // links, correction, right-hand side
+  }
+  return static_cast<std::uint64_t>(std::min(total, 1e18)) * sizeof(float);
+}
+
 std::unique_ptr<Backend> makeLeanSystem(const Problem& problem)
 {
   return std::make_unique<LeanSystem<BlockCorrection>>(problem);

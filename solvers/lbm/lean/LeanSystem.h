@@ -2,6 +2,7 @@
 
 #include "lbm/Backend.h"
 
+#include <cstdint>
 #include <memory>
 
 namespace lamella::lbm
@@ -10,6 +11,8 @@ namespace lamella::lbm
 /// Does the lean solver take this lattice? Straight links (D2Q5, D3Q7), even sizes along periodic axes, parts of ranks
 /// that can be halved.
 [[nodiscard]] bool leanFits(const Problem& problem);
+/// Of its arrays, the picture left out.
+[[nodiscard]] std::uint64_t leanBytes(const Lattice& lattice);
 /// And with pieces: one rank.
 [[nodiscard]] bool piecesFit(const Problem& problem);
 

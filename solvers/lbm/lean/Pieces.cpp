@@ -1,6 +1,6 @@
 #include "lbm/lean/Pieces.h"
 
-#include "lbm/multigrid/Kernels.h"
+#include "lbm/multigrid/Multigrid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,8 +14,6 @@ namespace
 constexpr int pieceSweeps = 3; // before and after
 // Links of at least this part of the strongest ones join nodes; halved from level to level.
 constexpr double strongPart = 0.25;
-// Of the links between two pieces a coarse link is at least this part.
-constexpr float least = 0.5F;
 // Small enough to be solved directly.
 constexpr std::size_t coarsestCount = 1000;
 // A level that is not smaller than this part of the one before ends the coarsening.
@@ -32,7 +30,8 @@ float half(float inside)
 
 float inSeries(float between, float insideHere, float insideThere)
 {
-  return between > 0 ? std::max(least * between, 1 / (half(insideHere) + 1 / between + half(insideThere))) : 0.0F;
+  return between > 0 ? std::max(leastBlockLink * between, 1 / (half(insideHere) + 1 / between + half(insideThere)))
+                     : 0.0F;
 }
 
 // A few sums by key, in the order in which keys come first.

@@ -9,9 +9,6 @@ namespace lamella::lbm
 namespace
 {
 
-// Of the links between two blocks a coarse link is at least this part.
-constexpr float least = 0.5F;
-
 std::array<std::int64_t, 3> sizeOf(const Grid& g)
 {
   return { g.nx, g.ny, g.nz };
@@ -58,7 +55,7 @@ public:
     {
       float& g = q[c.node(x)];
       if (g > 0)
-        g = std::max(least * g, 1 / (half(here[c.node(x)]) + 1 / g + half(next[c.node(d_ == 0 ? x + 1 : x)])));
+        g = std::max(leastBlockLink * g, 1 / (half(here[c.node(x)]) + 1 / g + half(next[c.node(d_ == 0 ? x + 1 : x)])));
     }
   }
 
