@@ -68,7 +68,9 @@ Decomposition::Decomposition(const Lattice& lattice, const Communicator& comm, d
                            ny * nz, lattice.size[0], ny, nz),
       "start fewer ranks: every rank needs at least one row along x");
 
-  // The largest alignment whose largest part is even enough.
+  // The largest alignment whose largest part is even enough; an even number of rows, which a multigrid that halves them
+  // needs, is worth two rows more.
+  constexpr double enoughRows = 8;
   for (const int levels : { 4, 3, 2, 1, 0 })
   {
     const std::int64_t alignment = std::int64_t{ 1 } << levels;
@@ -78,7 +80,8 @@ Decomposition::Decomposition(const Lattice& lattice, const Communicator& comm, d
       {
         const double even = static_cast<double>(lattice.size[axis]) / parts_[axis];
         good = good && everyPartHasRows(lattice.size[axis], parts_[axis], alignment) &&
-          static_cast<double>(largestPart(lattice.size[axis], parts_[axis], alignment)) <= (1 + unevenness) * even;
+          ((levels == 1 && even >= enoughRows) ||
+            static_cast<double>(largestPart(lattice.size[axis], parts_[axis], alignment)) <= (1 + unevenness) * even);
       }
     if (good || levels == 0)
     {

@@ -10,35 +10,10 @@ BoxField::BoxField(const Problem& problem)
   , block_(problem.parts.block())
   , links_(problem.links())
   , halo_(problem.lattice.dimension, block_.size, problem.parts, problem.comm, problem.periodic())
+  , phases_(block_, halo_, problem.phase, problem.lattice.dimension)
   , stride_(block_.size[0] + 2)
   , u_(static_cast<std::size_t>(halo_.rows() * stride_), 0.0)
-  , ghostRow_(static_cast<std::size_t>(halo_.rows()), 0)
 {
-  for (std::int64_t z = 0; z < block_.size[2]; ++z)
-    for (std::int64_t y = 0; y < block_.size[1]; ++y)
-      ghostRow_[static_cast<std::size_t>(halo_.row(y, z))] = -1;
-  std::int64_t ghosts = 0;
-  for (auto& offset : ghostRow_)
-    if (offset == 0)
-      offset = block_.size[0] * ghosts++;
-  ghostPhase_.assign(static_cast<std::size_t>(ghosts * block_.size[0]), 0);
-  halo_.exchange(
-    [&](std::int64_t row)
-    {
-      const std::int64_t offset = ghostRow_[static_cast<std::size_t>(row)];
-      const std::int64_t ghostZ = problem_.lattice.dimension == 3 ? 1 : 0;
-      const std::int64_t y = row % (block_.size[1] + 2) - 1;
-      const std::int64_t z = row / (block_.size[1] + 2) - ghostZ;
-      // owned rows are only read
-      auto* data = offset < 0 ? const_cast<std::uint8_t*>(rowPhase(y, z)) : ghostPhase_.data() + offset;
-      return Halo::Segment{ reinterpret_cast<std::byte*>(data), static_cast<std::size_t>(block_.size[0]) };
-    });
-}
-
-const std::uint8_t* BoxField::rowPhase(std::int64_t y, std::int64_t z) const noexcept
-{
-  const std::int64_t offset = ghostRow_[static_cast<std::size_t>(halo_.row(y, z))];
-  return offset < 0 ? problem_.phase.data() + block_.size[0] * (y + block_.size[1] * z) : ghostPhase_.data() + offset;
 }
 
 void BoxField::setLinearProfile()

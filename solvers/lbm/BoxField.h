@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lbm/Backend.h"
+#include "lbm/PhaseRows.h"
 #include "lbm/PlaneBalance.h"
 #include "lbm/multigrid/StaggeredAllocator.h"
 
@@ -40,9 +41,9 @@ public:
   /// Planes across the direction: PlaneSums.
   [[nodiscard]] std::size_t planeCount() const noexcept;
   [[nodiscard]] const Links& links() const noexcept { return links_; }
-  [[nodiscard]] const std::uint8_t* rowPhase(std::int64_t y, std::int64_t z) const noexcept;
+  [[nodiscard]] const std::uint8_t* rowPhase(std::int64_t y, std::int64_t z) const noexcept { return phases_(y, z); }
   [[nodiscard]] const Halo& halo() const noexcept { return halo_; }
-  [[nodiscard]] std::size_t bytes() const noexcept { return u_.size() * 8 + ghostPhase_.size(); }
+  [[nodiscard]] std::size_t bytes() const noexcept { return u_.size() * 8 + phases_.bytes(); }
 
 private:
   void fillGhosts();
@@ -54,10 +55,9 @@ private:
   Block block_;
   Links links_;
   Halo halo_;
+  PhaseRows phases_;
   std::int64_t stride_;
   std::vector<double, StaggeredAllocator<double>> u_;
-  std::vector<std::uint8_t> ghostPhase_; ///< rows of the ghost layers, found through ghostRow_
-  std::vector<std::int64_t> ghostRow_;   ///< a padded row: offset into ghostPhase_, or -1 for a row of our own
 };
 
 } // namespace lamella::lbm

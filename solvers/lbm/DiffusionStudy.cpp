@@ -155,7 +155,10 @@ private:
       steady.stencil = Stencil::D2Q9;
       steady.links = std::make_shared<LinkTable>(linksOf(refined, part, refinement));
     }
-    SteadyDiffusion solver(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, handle);
+    const bool whole = block.count() == refined.lattice.count();
+    SteadyDiffusion solver = whole
+      ? SteadyDiffusion(refined.lattice, block, refined.phase, diffusivity_, steady, handle)
+      : SteadyDiffusion(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, handle);
     if (!std::exchange(pathsKnown_, true)) // splitting pixels changes no neighbourhood: the first solve tells of all
       requirePaths(solver, options_.axes, image_.lattice.dimension);
     SteadyResult result = solver.solve(answer.axis);
@@ -440,7 +443,7 @@ private:
       std::ranges::count_if(image_.phase, [&](std::uint8_t id) { return !(diffusivity_[id] > 0); });
     const double share = 1 - static_cast<double>(zeros) / static_cast<double>(image_.lattice.count());
     plan.bytes = estimateBytes(lattice, options_.directed ? Stencil::D2Q9 : options_.steady.stencil,
-                   zeros > 0 ? Method::AlgebraicMultigrid : Method::Multigrid,
+                   leanest(lattice, options_.steady.stencil, zeros == 0, Communicator(comm_).size()),
                    static_cast<std::int64_t>(share * static_cast<double>(plan.nodes))) +
       static_cast<std::uint64_t>(plan.nodes);
     plan.allowed = allowed;

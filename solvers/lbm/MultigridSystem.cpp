@@ -30,7 +30,7 @@ constexpr double slowRate = 0.35;
 // tolerance looser than `loosest` ends no iteration before the spectrum has shown. (Measured:
 // benchmarks/Diffusion.cpp.)
 constexpr double safety = 4;
-constexpr double loosest = 1e-6;
+constexpr double loosest = 1e-8;
 constexpr double tightest = 1e-20; // round-off of the residual is near
 
 // Both faces carry the effective flux but for round-off, which grows with the contrast: 4e-2 of it at 1e15. Up to here

@@ -41,6 +41,8 @@ enum class Sides
 enum class Method
 {
   Auto,
+  LeanMultigrid,     ///< geometric multigrid on blocks of nodes, 8.5 bytes a node; every node conducts
+  PieceMultigrid,    ///< the same on pieces of blocks: any contrast, and phases that do not conduct; one rank
   Multigrid,         ///< operator-dependent geometric multigrid, conjugate gradients; every node conducts
   AlgebraicMultigrid ///< conducting nodes only, compact; phases of conductivity 0 are neither stored nor visited
 };
@@ -94,19 +96,24 @@ struct SteadyResult
 ///
 /// With D2Q5 and D3Q7 this is the cell-centred finite volume scheme with harmonic faces.
 ///
-/// Solved with conjugate gradients in single precision, preconditioned by one multigrid cycle, on a field and its
-/// residual in double. The effective conductivity is the energy uᵀAu, whose error is the square of the field's. At the
-/// end a Galerkin correction over the planes across the direction makes the flux through each of them, both faces
-/// included, equal to that energy (PlaneBalance).
+/// Solved by multigrid (Method). Multigrid and AlgebraicMultigrid: conjugate gradients in single precision,
+/// preconditioned by one cycle, on a field and its residual in double. LeanMultigrid and PieceMultigrid: plain cycles
+/// on a field in single precision, without residual; auto takes them for volumes of which the value is wanted, or where
+/// memory is short. The effective conductivity is the energy uᵀAu, whose error is the square of the field's. At the end
+/// a Galerkin correction over the planes across the direction makes the flux through each of them, both faces included,
+/// equal to that energy (PlaneBalance).
 class SteadyDiffusion
 {
 public:
   /// @param lattice     the whole box
   /// @param block       the part this rank holds (decompose()); the whole box on one rank
-  /// @param phase       block.size[0] * block.size[1] * block.size[2] phase ids of this rank
+  /// @param phase       block.size[0] * block.size[1] * block.size[2] phase ids of this rank, which outlive the solver
   /// @param diffusivity one value a phase id, finite and ≥ 0; 0: does not conduct
   /// @throws ParameterError (stencil against dimension, values out of range, links that do not fit), MemoryError
   SteadyDiffusion(const Lattice& lattice, const Block& block, std::span<const std::uint8_t> phase,
+    std::span<const double> diffusivity, SteadyOptions options, MPI_Comm comm = MPI_COMM_SELF);
+  /// The same, ids handed over.
+  SteadyDiffusion(const Lattice& lattice, const Block& block, std::vector<std::uint8_t>&& phase,
     std::span<const double> diffusivity, SteadyOptions options, MPI_Comm comm = MPI_COMM_SELF);
   ~SteadyDiffusion();
   SteadyDiffusion(SteadyDiffusion&&) noexcept;
@@ -131,6 +138,9 @@ private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
 };
+
+/// The method that takes the least memory; what auto falls back on where another one does not fit.
+[[nodiscard]] Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts, int ranks) noexcept;
 
 /// Bytes that solving on this many nodes takes in solver arrays, before anything is allocated.
 [[nodiscard]] std::uint64_t estimateBytes(

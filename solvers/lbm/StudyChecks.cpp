@@ -26,16 +26,17 @@ void requireMemory(const StudySize& size)
 {
   const Lattice& lattice = size.lattice;
   const int refinement = size.refinement;
-  const Method method = size.conducting == lattice.count() ? Method::Multigrid : Method::AlgebraicMultigrid;
+  const Method method = leanest(lattice, size.stencil, size.conducting == lattice.count(), size.ranks);
   const auto count = static_cast<double>(lattice.count());
   const auto solver = static_cast<double>(estimateBytes(lattice, size.stencil, method, size.conducting));
   // In doubles, for a refinement typed wrongly can have more nodes than 64 bits count. Beside the solver's arrays: the
-  // refined picture on every rank, the solver's copy of its part, and on rank 0 value and flux as they are written.
+  // refined picture on every rank, a copy of the part of a rank that has not all, and on rank 0 value and flux as they
+  // are written.
   const auto bytes = [&](int n)
   {
     const double scale = std::pow(static_cast<double>(n), lattice.dimension);
     return scale *
-      (solver * size.ranksOnMachine / size.ranks + count * (size.ranksOnMachine + 1) +
+      (solver * size.ranksOnMachine / size.ranks + count * (size.ranksOnMachine + (size.ranks > 1 ? 1 : 0)) +
         (size.fields ? count * (8 + 24 + 2) : 0));
   };
   const auto available = static_cast<double>(availableMemory());

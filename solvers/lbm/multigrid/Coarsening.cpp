@@ -360,14 +360,13 @@ void Multigrid::computeWeights(Level& fine, const Level& coarse) const
   }
 }
 
-std::unique_ptr<Level> Multigrid::coarsen(Level& fine) const
+std::unique_ptr<Level> halved(const Level& fine)
 {
   const Grid& g = fine.grid;
   auto coarse = std::make_unique<Level>();
   coarse->grid = Grid(g.dimension, (g.nx + 1) / 2, (g.ny + 1) / 2, (g.nz + 1) / 2);
   const Grid& c = coarse->grid;
   coarse->periodic = fine.periodic;
-  coarse->straight = false;
   coarse->depth = fine.depth + 1;
   coarse->halvings = fine.halvings + 1;
   for (std::size_t a = 0; a < 3; ++a)
@@ -378,6 +377,26 @@ std::unique_ptr<Level> Multigrid::coarsen(Level& fine) const
   coarse->comm = std::make_unique<Communicator>(*fine.comm);
   coarse->parts = std::make_unique<Decomposition>(*fine.parts);
   coarse->halo = Halo(g.dimension, { c.nx, c.ny, c.nz }, *coarse->parts, *coarse->comm, coarse->periodic);
+  return coarse;
+}
+
+std::unique_ptr<Level> Multigrid::coarsen(Level& fine) const
+{
+  if (coarsening_ == Coarsening::Blocks)
+    return coarsenBlocks(
+      fine,
+      [&](int d, std::int64_t y, std::int64_t z, float* out)
+      {
+        const Grid& g = fine.grid;
+        const float* row = fine.links[static_cast<std::size_t>(d)].data() + g.row(y, z);
+        out[0] = row[g.node(-1)];
+        kernels().merge(g.nx, g.half, row, out + 1);
+      },
+      threadsOn(fine));
+  const Grid& g = fine.grid;
+  auto coarse = halved(fine);
+  const Grid& c = coarse->grid;
+  coarse->straight = false;
   computeWeights(fine, *coarse);
 
   coarse->allocateLinks(g.dimension == 3 ? 13 : 4);

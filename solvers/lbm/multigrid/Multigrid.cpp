@@ -10,6 +10,8 @@ namespace
 
 constexpr std::int64_t coarsestNodes = 600;
 constexpr std::int64_t gatherNodes = 32768;
+// Below that many nodes of a rank waiting for another thread costs more than its work.
+constexpr std::int64_t threadedNodes = 100000;
 
 } // namespace
 
@@ -44,8 +46,10 @@ bool canHalve(const std::array<std::int64_t, 3>& size, const std::array<bool, 3>
   return true;
 }
 
-Multigrid::Multigrid(Level finest, int threads)
-  : threads_(std::max(1, threads))
+Multigrid::Multigrid(Level finest, int threads, Coarsening coarsening)
+  : coarsening_(coarsening)
+  , sweeps_(coarsening == Coarsening::Blocks ? 3 : 1)
+  , threads_(std::max(1, threads))
 {
   levels_.push_back(std::make_unique<Level>(std::move(finest)));
   Level& top = *levels_.front();
@@ -55,7 +59,7 @@ Multigrid::Multigrid(Level finest, int threads)
 
 void Multigrid::build()
 {
-  int distributedLeft = levels_.front()->parts->levels();
+  int distributedLeft = levels_.front()->parts->levels() - levels_.front()->halvings;
   for (;;)
   {
     Level& level = *levels_.back();
@@ -81,6 +85,11 @@ void Multigrid::build()
     --distributedLeft;
   }
   factorize(*levels_.back());
+}
+
+int Multigrid::threadsOn(const Level& level) const noexcept
+{
+  return level.grid.nx * level.grid.ny * level.grid.nz < threadedNodes ? 1 : threads_;
 }
 
 std::uint64_t Multigrid::bytes() const
@@ -128,8 +137,17 @@ void Multigrid::cycle(std::size_t index, const FloatArray& f, FloatArray& u, boo
     level.exchange(u);
     return;
   }
+  const int threads = threadsOn(level);
+  // all but the last sweep before and the first after
+  const auto relaxMore = [&](bool forward, bool zero)
+  {
+    for (int sweep = 1; sweep < sweeps_; ++sweep)
+      relax(level, f, u, forward, zero && sweep == 1, threads);
+  };
   // in 3D all is done plane by plane in one pass, where that is possible
-  const bool byPlanes = level.grid.dimension == 3 && LayerSweep::possible(level, threads_);
+  const bool byPlanes = level.grid.dimension == 3 && LayerSweep::possible(level, threads);
+  relaxMore(true, fromZero);
+  fromZero = fromZero && sweeps_ == 1;
   if (byPlanes)
   {
     LayerSweep sweep(level, f, u, true, fromZero);
@@ -137,7 +155,7 @@ void Multigrid::cycle(std::size_t index, const FloatArray& f, FloatArray& u, boo
   }
   else
   {
-    relax(level, f, u, true, fromZero, threads_);
+    relax(level, f, u, true, fromZero, threads);
     restrictResidual(level, f, u, next, LayerHook());
   }
   cycle(index + 1, next.f, next.u, true);
@@ -155,10 +173,12 @@ void Multigrid::cycle(std::size_t index, const FloatArray& f, FloatArray& u, boo
           interpolateRow(level, u, next, cy, z / 2);
     };
     LayerSweep(level, f, u, false, false, interpolate).finish(level.grid.nz);
+    relaxMore(false, false);
     return;
   }
   interpolateAdd(level, u, next);
-  relax(level, f, u, false, false, threads_);
+  relax(level, f, u, false, false, threads);
+  relaxMore(false, false);
 }
 
 double Multigrid::advance(const FloatArray& z, float beta, FloatArray& p, FloatArray& q) const

@@ -10,6 +10,11 @@ namespace lamella::lbm
 void Multigrid::restrictResidual(
   Level& fine, const FloatArray& f, const FloatArray& u, Level& coarse, const LayerHook& finish) const
 {
+  if (coarsening_ == Coarsening::Blocks)
+  {
+    restrictBlocks(fine, f, u, coarse, finish);
+    return;
+  }
   const Grid& g = fine.grid;
   const Grid& c = coarse.grid;
   const Kernels& k = kernels();
@@ -65,6 +70,11 @@ void Multigrid::restrictResidual(
 void Multigrid::interpolateRow(
   const Level& fine, FloatArray& u, const Level& coarse, std::int64_t cy, std::int64_t cz) const
 {
+  if (coarsening_ == Coarsening::Blocks)
+  {
+    addBlockRow(fine, u, coarse, cy, cz);
+    return;
+  }
   const Grid& g = fine.grid;
   const Grid& c = coarse.grid;
   const Kernels& k = kernels();
@@ -113,7 +123,8 @@ void Multigrid::interpolateRow(
 void Multigrid::interpolateAdd(const Level& fine, FloatArray& u, const Level& coarse) const
 {
   const Grid& c = coarse.grid;
-#pragma omp parallel for num_threads(threads_) if (threads_ > 1) schedule(static)
+  const int threads = threadsOn(fine);
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
   for (std::int64_t i = 0; i < c.ny * c.nz; ++i)
     interpolateRow(fine, u, coarse, i % c.ny, i / c.ny);
   fine.halo.exchange(u.data() + Grid::lead, static_cast<std::size_t>(fine.grid.stride) * sizeof(float));

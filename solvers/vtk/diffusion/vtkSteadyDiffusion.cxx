@@ -48,6 +48,10 @@ lbm::Method methodOf(int method)
   {
     case vtkSteadyDiffusion::MULTIGRID:
       return lbm::Method::Multigrid;
+    case vtkSteadyDiffusion::LEAN_MULTIGRID:
+      return lbm::Method::LeanMultigrid;
+    case vtkSteadyDiffusion::PIECE_MULTIGRID:
+      return lbm::Method::PieceMultigrid;
     case vtkSteadyDiffusion::ALGEBRAIC_MULTIGRID:
       return lbm::Method::AlgebraicMultigrid;
     default:

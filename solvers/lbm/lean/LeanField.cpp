@@ -1,0 +1,469 @@
+#include "lbm/lean/LeanField.h"
+
+#include "lbm/BoxField.h"
+#include "lbm/multigrid/Kernels.h"
+
+#include <algorithm>
+#include <limits>
+#include <numeric>
+
+namespace lamella::lbm
+{
+namespace
+{
+
+// Three planes of a tile's rows, picture and field, are to stay in a core's cache.
+constexpr std::int64_t tileBytes = 600 * 1024;
+constexpr std::int64_t tilePlanes = 48;
+// Below that many nodes waiting for another thread costs more than its work.
+constexpr std::int64_t threadedNodes = 100000;
+
+Level emptyLevel(const Problem& problem)
+{
+  const Block& block = problem.parts.block();
+  Level level;
+  level.grid = Grid(problem.lattice.dimension, block.size[0], block.size[1], block.size[2]);
+  level.periodic = problem.periodic();
+  level.start = block.start;
+  level.size = problem.lattice.size;
+  level.comm = std::make_unique<Communicator>(problem.comm);
+  level.parts = std::make_unique<Decomposition>(problem.parts);
+  level.halo = Halo(problem.lattice.dimension, block.size, *level.parts, *level.comm, level.periodic);
+  return level;
+}
+
+std::vector<std::uint8_t> idsOf(const Problem& problem)
+{
+  std::array<double, 256> here{};
+  for (const std::uint8_t id : problem.phase)
+    here[id] = 1;
+  problem.comm.sum(here);
+  std::vector<std::uint8_t> ids;
+  for (std::size_t id = 0; id < here.size(); ++id)
+    if (here[id] > 0)
+      ids.push_back(static_cast<std::uint8_t>(id));
+  return ids;
+}
+
+PhaseLinks tableOf(const Links& links, std::span<const std::uint8_t> ids)
+{
+  PhaseLinks table;
+  for (const std::uint8_t id : ids)
+  {
+    table.half[id] = 0.5 / links.diffusivity(id);
+    table.halfSingle[id] = static_cast<float>(table.half[id]);
+  }
+  table.two = ids.size() <= 2;
+  if (table.two)
+  {
+    table.second = ids.back();
+    table.both[0] = links.mean(ids.front(), ids.front());
+    table.both[1] = links.mean(ids.front(), ids.back());
+    table.both[2] = links.mean(ids.back(), ids.back());
+  }
+  return table;
+}
+
+} // namespace
+
+LeanField::LeanField(const Problem& problem)
+  : problem_(problem)
+  , block_(problem.parts.block())
+  , links_(problem.links())
+  , level_(emptyLevel(problem))
+  , phases_(block_, level_.halo, problem.phase, problem.lattice.dimension)
+  , ids_(idsOf(problem))
+  , table_(tableOf(links_, ids_))
+  , v_(level_.grid.floats(), 0.0F)
+  , nothing_(static_cast<std::size_t>(level_.grid.stride), 0.0F)
+{
+  const Grid& g = level_.grid;
+  tileY_ = std::clamp<std::int64_t>(tileBytes / (3 * (5 * g.nx)), 2, g.ny);
+  tileZ_ = std::min<std::int64_t>(tilePlanes, g.nz);
+  countConductance();
+}
+
+std::size_t LeanField::bytes() const noexcept
+{
+  return v_.size() * sizeof(float) + phases_.bytes();
+}
+
+std::int64_t LeanField::along(std::int64_t y, std::int64_t z) const noexcept
+{
+  return problem_.axis == 1 ? y + block_.start[1] : z + block_.start[2];
+}
+
+std::size_t LeanField::tiles() const noexcept
+{
+  const Grid& g = level_.grid;
+  return static_cast<std::size_t>(((g.ny + tileY_ - 1) / tileY_) * ((g.nz + tileZ_ - 1) / tileZ_));
+}
+
+void LeanField::forEachRow(const RowFunction& f) const
+{
+  const Grid& g = level_.grid;
+  const std::int64_t columns = (g.ny + tileY_ - 1) / tileY_;
+  const auto count = static_cast<std::int64_t>(tiles());
+  const int threads = g.nx * g.ny * g.nz < threadedNodes ? 1 : std::max(1, problem_.options.threads);
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(dynamic)
+  for (std::int64_t t = 0; t < count; ++t)
+  {
+    const std::int64_t y0 = t % columns * tileY_;
+    const std::int64_t z0 = t / columns * tileZ_;
+    for (std::int64_t z = z0; z < std::min(g.nz, z0 + tileZ_); ++z)
+      for (std::int64_t y = y0; y < std::min(g.ny, y0 + tileY_); ++y)
+        f(y, z, static_cast<std::size_t>(t));
+  }
+}
+
+RowSide LeanField::side(std::int64_t y, std::int64_t z, int part, int axis, int step) const
+{
+  const Grid& g = level_.grid;
+  const bool ours = axis == 1 ? (step < 0 ? y > 0 : y < g.ny - 1) : (step < 0 ? z > 0 : z < g.nz - 1);
+  const bool falls = problem_.axis == axis;
+  const float sign = step < 0 ? 1.0F : -1.0F;
+  if (ours || level_.halo.inside(axis, step))
+  {
+    const std::int64_t otherY = axis == 1 ? y + step : y;
+    const std::int64_t otherZ = axis == 2 ? z + step : z;
+    return { phases_(otherY, otherZ), v_.data() + g.row(otherY, otherZ) + g.shift(part, 0), 1.0F, falls ? sign : 0.0F };
+  }
+  const bool wall = links_.boundary(axis) == Boundary::Fixed;
+  return { phases_(y, z), nothing_.data(), wall ? 2.0F : 0.0F, wall ? 0.5F * sign : 0.0F };
+}
+
+PhaseRow LeanField::row(std::int64_t y, std::int64_t z, int part) const
+{
+  const Grid& g = level_.grid;
+  const float* v = v_.data() + g.row(y, z);
+  const std::uint8_t* phase = phases_(y, z);
+  const bool falls = problem_.axis == 0;
+  PhaseRow r{ g.nx, part, phase, v + g.shift(part, -1), v + g.shift(part, 0), v + g.shift(part, 1),
+    falls ? -1.0F : 0.0F, {}, {},
+    { side(y, z, part, 1, -1), side(y, z, part, 1, 1), side(y, z, part, 2, -1), side(y, z, part, 2, 1) } };
+  r.low = { phase[0], 0.0F, 0.0F, 0.0F };
+  r.high = { phase[g.nx - 1], 0.0F, 0.0F, 0.0F };
+  if (links_.boundary(0) == Boundary::Periodic)
+  {
+    r.low = { phase[g.nx - 1], v[g.node(g.nx - 1)], 1.0F, falls ? 1.0F : 0.0F };
+    r.high = { phase[0], v[0], 1.0F, falls ? -1.0F : 0.0F };
+  }
+  else if (links_.boundary(0) == Boundary::Fixed)
+  {
+    r.low = { phase[0], 0.0F, 2.0F, 0.5F };
+    r.high = { phase[g.nx - 1], 0.0F, 2.0F, -0.5F };
+  }
+  return r;
+}
+
+void LeanField::addResidual(std::int64_t y, std::int64_t z, int part, float* out) const
+{
+  phaseKernels().addResidual(table_, row(y, z, part), out);
+}
+
+float* LeanField::halfRow(std::int64_t y, std::int64_t z, int part) noexcept
+{
+  return v_.data() + level_.grid.row(y, z) + level_.grid.shift(part, 0);
+}
+
+void LeanField::exchange()
+{
+  level_.halo.exchange(v_.data() + Grid::lead, static_cast<std::size_t>(level_.grid.stride) * sizeof(float));
+}
+
+void LeanField::relax(int sweeps, bool forward)
+{
+  for (int half = 0; half < 2 * sweeps; ++half)
+  {
+    const int colour = (half % 2 == 0) == forward ? 0 : 1;
+    forEachRow(
+      [&](std::int64_t y, std::int64_t z, std::size_t)
+      {
+        const int part = static_cast<int>((y + z + colour) & 1);
+        phaseKernels().relax(table_, row(y, z, part), halfRow(y, z, part));
+      });
+    exchange();
+  }
+}
+
+void LeanField::restrictTo(Level& coarse) const
+{
+  const Grid& g = level_.grid;
+  const Grid& c = coarse.grid;
+  const int threads = g.nx * g.ny * g.nz < threadedNodes ? 1 : std::max(1, problem_.options.threads);
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+  for (std::int64_t i = 0; i < c.ny * c.nz; ++i)
+  {
+    const std::int64_t cy = i % c.ny;
+    const std::int64_t cz = i / c.ny;
+    std::vector<float> natural(static_cast<std::size_t>(c.nx + 1), 0.0F);
+    for (std::int64_t z = 2 * cz; z < std::min(2 * cz + 2, g.nz); ++z)
+      for (std::int64_t y = 2 * cy; y < std::min(2 * cy + 2, g.ny); ++y) // the other colour was relaxed last
+        addResidual(y, z, static_cast<int>((y + z) & 1), natural.data());
+    kernels().split(c.nx, c.half, natural.data(), coarse.f.data() + c.row(cy, cz));
+  }
+}
+
+void LeanField::addFrom(const Level& coarse)
+{
+  const Grid& g = level_.grid;
+  const Grid& c = coarse.grid;
+  const int threads = g.nx * g.ny * g.nz < threadedNodes ? 1 : std::max(1, problem_.options.threads);
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+  for (std::int64_t i = 0; i < c.ny * c.nz; ++i)
+  {
+    const std::int64_t cy = i % c.ny;
+    const std::int64_t cz = i / c.ny;
+    std::vector<float> natural(static_cast<std::size_t>(c.nx));
+    kernels().merge(c.nx, c.half, coarse.u.data() + c.row(cy, cz), natural.data());
+    for (std::int64_t z = 2 * cz; z < std::min(2 * cz + 2, g.nz); ++z)
+      for (std::int64_t y = 2 * cy; y < std::min(2 * cy + 2, g.ny); ++y)
+      {
+        float* v = v_.data() + g.row(y, z);
+        phaseKernels().addToBoth(g.even, g.odd, natural.data(), v, v + g.half);
+      }
+  }
+  exchange();
+}
+
+void LeanField::linkRow(int d, std::int64_t y, std::int64_t z, float* out) const
+{
+  const Grid& g = level_.grid;
+  const std::uint8_t* here = phases_(y, z);
+  const auto wall = [&](std::uint8_t id) { return static_cast<float>(links_.wall(id)); };
+  const bool fixed = links_.boundary(d) == Boundary::Fixed;
+  if (d == 0)
+  {
+    phaseKernels().links(table_, g.nx - 1, here, here + 1, out + 1);
+    const bool wraps = links_.boundary(0) == Boundary::Periodic;
+    out[0] = wraps ? static_cast<float>(links_.mean(here[g.nx - 1], here[0])) : fixed ? wall(here[0]) : 0.0F;
+    out[g.nx] = wraps ? out[0] : fixed ? wall(here[g.nx - 1]) : 0.0F;
+    return;
+  }
+  out[0] = 0;
+  const std::int64_t from = d == 1 ? y : z;
+  const std::int64_t rows = d == 1 ? g.ny : g.nz;
+  const bool below = from < 0;
+  if ((from >= 0 && from < rows - 1) || level_.halo.inside(d, below ? -1 : 1))
+    phaseKernels().links(table_, g.nx, here, d == 1 ? phases_(y + 1, z) : phases_(y, z + 1), out + 1);
+  else
+    for (std::int64_t x = 0; x < g.nx; ++x) // beyond the box: the wall of the node next to it
+      out[x + 1] = !fixed ? 0.0F : wall((below ? (d == 1 ? phases_(0, z) : phases_(y, 0)) : here)[x]);
+}
+
+void LeanField::countConductance()
+{
+  const Grid& g = level_.grid;
+  const int axis = problem_.axis;
+  const std::int64_t n = problem_.lattice.size[static_cast<std::size_t>(axis)];
+  const bool periodic = links_.boundary(axis) == Boundary::Periodic;
+  const std::size_t planes = static_cast<std::size_t>(periodic ? n : n + 1);
+  std::vector<std::vector<double>> parts(tiles(), std::vector<double>(planes, 0.0));
+  forEachRow(
+    [&](std::int64_t y, std::int64_t z, std::size_t tile)
+    {
+      double* sum = parts[tile].data();
+      const std::uint8_t* here = phases_(y, z);
+      if (axis == 0)
+      {
+        for (std::int64_t x = 0; x + 1 < g.nx; ++x)
+          sum[x + 1] += links_.mean(here[x], here[x + 1]);
+        if (periodic)
+          sum[0] += links_.mean(here[g.nx - 1], here[0]);
+        else
+        {
+          sum[0] += links_.wall(here[0]);
+          sum[n] += links_.wall(here[g.nx - 1]);
+        }
+        return;
+      }
+      const std::int64_t p = along(y, z);
+      const auto total = [&](auto&& link)
+      {
+        double s = 0;
+        for (std::int64_t x = 0; x < g.nx; ++x)
+          s += link(x);
+        return s;
+      };
+      if (p < n - 1 || periodic)
+      {
+        const std::uint8_t* there = axis == 1 ? phases_(y + 1, z) : phases_(y, z + 1);
+        sum[p == n - 1 ? 0 : p + 1] += total([&](std::int64_t x) { return links_.mean(here[x], there[x]); });
+      }
+      for (const std::int64_t face : { std::int64_t{ 0 }, n - 1 })
+        if (!periodic && p == face)
+          sum[face == 0 && p == 0 ? 0 : n] += total([&](std::int64_t x) { return links_.wall(here[x]); });
+      if (!periodic && n == 1)
+        sum[1] = sum[0];
+    });
+  conductance_.assign(planes, 0.0);
+  for (const auto& part : parts)
+    for (std::size_t i = 0; i < planes; ++i)
+      conductance_[i] += part[i];
+  problem_.comm.sum(conductance_);
+}
+
+FieldSums LeanField::sums(PlaneSums& planes) const
+{
+  const Grid& g = level_.grid;
+  const int axis = problem_.axis;
+  const std::int64_t n = problem_.lattice.size[static_cast<std::size_t>(axis)];
+  const bool periodic = links_.boundary(axis) == Boundary::Periodic;
+  struct Tile
+  {
+    PhaseSums sums;
+    std::vector<double> even, odd, planes; // Σ g Δ: by node along x, or by plane across
+  };
+  std::vector<Tile> parts(tiles());
+  forEachRow(
+    [&](std::int64_t y, std::int64_t z, std::size_t t)
+    {
+      Tile& tile = parts[t];
+      if (tile.planes.empty())
+      {
+        tile.planes.assign(static_cast<std::size_t>(n + 1), 0.0);
+        tile.even.assign(static_cast<std::size_t>(axis == 0 ? g.even : 0), 0.0);
+        tile.odd.assign(static_cast<std::size_t>(axis == 0 ? g.odd : 0), 0.0);
+      }
+      const PhaseSums before = tile.sums;
+      for (const int part : { 0, 1 })
+        if (g.count(part) > 0)
+          phaseKernels().addSums(
+            table_, row(y, z, part), tile.sums, axis != 0 ? nullptr : (part == 0 ? tile.even : tile.odd).data());
+      if (axis == 0)
+        return;
+      const auto p = static_cast<std::size_t>(along(y, z));
+      tile.planes[p + 1] += tile.sums.flux[axis] - before.flux[axis] + tile.sums.high - before.high;
+      tile.planes[0] += tile.sums.low - before.low;
+    });
+  FieldSums s;
+  planes = PlaneSums(conductance_.size());
+  planes.conductance = conductance_;
+  std::vector<double> flux(static_cast<std::size_t>(n + 1), 0.0);
+  double low = 0;
+  double high = 0;
+  for (const Tile& tile : parts)
+  {
+    s.energy += tile.sums.energy;
+    low += tile.sums.low;
+    high += tile.sums.high;
+    for (std::size_t a = 0; a < 3; ++a)
+      s.flux[a] += tile.sums.flux[a];
+    for (std::size_t i = 0; i < tile.planes.size(); ++i)
+      flux[i] += tile.planes[i];
+    for (std::size_t i = 0; i < tile.even.size(); ++i)
+      flux[2 * i + 1] += tile.even[i];
+    for (std::size_t i = 0; i < tile.odd.size(); ++i)
+      flux[2 * i + 2] += tile.odd[i];
+  }
+  if (axis == 0)
+  {
+    flux[0] += low;
+    flux[static_cast<std::size_t>(n)] += high;
+  }
+  std::array<double, 6> all{ s.energy, low, high, s.flux[0], s.flux[1], s.flux[2] };
+  problem_.comm.sum(all);
+  problem_.comm.sum(flux);
+  if (periodic)
+    flux[0] += flux[static_cast<std::size_t>(n)];
+  // from drops of the profile to drops over the whole box
+  const double unit = 1.0 / static_cast<double>(n);
+  for (std::size_t i = 0; i < planes.flux.size(); ++i)
+    planes.flux[i] = unit * flux[i];
+  s.energy = unit * unit * all[0];
+  s.inlet = unit * all[1];
+  s.outlet = unit * all[2];
+  for (std::size_t a = 0; a < 3; ++a)
+    s.flux[a] = unit * all[3 + a];
+  return s;
+}
+
+double LeanField::roundOff() const
+{
+  const Grid& g = level_.grid;
+  std::vector<double> parts(tiles(), 0.0);
+  forEachRow(
+    [&](std::int64_t y, std::int64_t z, std::size_t tile)
+    {
+      const std::uint8_t* phase = phases_(y, z);
+      const float* v = v_.data() + g.row(y, z);
+      for (std::int64_t x = 0; x < g.nx; ++x)
+      {
+        const auto value = static_cast<double>(v[g.node(x)]);
+        parts[tile] += links_.diffusivity(phase[x]) * value * value;
+      }
+    });
+  // the variance of an even error within a unit in the last place, for each of a node's links
+  constexpr double lastPlace = std::numeric_limits<float>::epsilon();
+  const double unit = 1.0 / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]);
+  const double total = problem_.comm.sum(std::accumulate(parts.begin(), parts.end(), 0.0));
+  return 2.0 * problem_.lattice.dimension * lastPlace * lastPlace / 12.0 * unit * unit * total;
+}
+
+void LeanField::apply(const PlaneBalance& balance)
+{
+  const Grid& g = level_.grid;
+  const int axis = problem_.axis;
+  const double n = static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(axis)]);
+  const bool periodic = links_.boundary(axis) == Boundary::Periodic;
+  std::vector<double> shift;
+  for (std::size_t p = 0; p < balance.shift.size(); ++p)
+    shift.push_back(
+      n * balance.shift[p] + (periodic ? 0.0 : (balance.factor - 1) * (n - static_cast<double>(p) - 0.5)));
+  forEachRow(
+    [&](std::int64_t y, std::int64_t z, std::size_t)
+    {
+      float* v = v_.data() + g.row(y, z);
+      for (const int part : { 0, 1 })
+        for (std::int64_t i = 0; i < g.count(part); ++i)
+        {
+          const std::int64_t p = axis == 0 ? 2 * i + part : along(y, z);
+          float& value = v[g.shift(part, 0) + i];
+          value = static_cast<float>(balance.factor * static_cast<double>(value) + shift[static_cast<std::size_t>(p)]);
+        }
+    });
+  exchange();
+}
+
+void LeanField::value(std::span<double> out) const
+{
+  const Grid& g = level_.grid;
+  const int axis = problem_.axis;
+  const double unit = 1.0 / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(axis)]);
+  double mean = 0;
+  const auto forEach = [&](auto&& f)
+  {
+    for (std::int64_t z = 0; z < g.nz; ++z)
+      for (std::int64_t y = 0; y < g.ny; ++y)
+        for (std::int64_t x = 0; x < g.nx; ++x)
+          f(static_cast<std::size_t>(x + g.nx * (y + g.ny * z)),
+            static_cast<double>(v_[static_cast<std::size_t>(g.row(y, z) + g.node(x))]), axis == 0 ? x : along(y, z));
+  };
+  if (links_.boundary(axis) == Boundary::Periodic)
+  {
+    forEach([&](std::size_t, double v, std::int64_t) { mean += v; });
+    mean = problem_.comm.sum(mean) / static_cast<double>(problem_.lattice.count());
+  }
+  forEach([&](std::size_t i, double v, std::int64_t p)
+    { out[i] = 1.0 + unit * (v - mean - (static_cast<double>(p) + 0.5)); });
+}
+
+void LeanField::flux(std::span<double> out) const
+{
+  BoxField field(problem_);
+  field.setLinearProfile();
+  const Grid& g = level_.grid;
+  const double unit = 1.0 / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]);
+  for (std::int64_t z = 0; z < g.nz; ++z)
+    for (std::int64_t y = 0; y < g.ny; ++y)
+    {
+      double* u = field.rowValues(y, z);
+      const float* v = v_.data() + g.row(y, z);
+      for (std::int64_t x = 0; x < g.nx; ++x)
+        u[x] += unit * static_cast<double>(v[g.node(x)]);
+    }
+  (void)field.evaluate([](std::int64_t, std::int64_t, const double*) {}); // its ghosts
+  field.flux(out);
+}
+
+} // namespace lamella::lbm

@@ -1,0 +1,326 @@
+#include "lbm/lean/LeanSystem.h"
+
+#include "core/Error.h"
+#include "lbm/Connectivity.h"
+#include "lbm/lean/LeanField.h"
+#include "lbm/lean/Pieces.h"
+#include "lbm/multigrid/Multigrid.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <utility>
+
+namespace lamella::lbm
+{
+namespace
+{
+
+constexpr int fieldSweeps = 3; // before and after the correction
+
+// Falls of the energy below this part of it may be round-off of the field.
+constexpr double mayBeRoundOff = 1e-5;
+constexpr double leastTarget = 1e-13;
+constexpr const char* singlePrecision = "single precision is too little here: ";
+// What is left of a series that is nearly geometric is known from its last terms; it is taken times `safety`.
+constexpr double safety = 4;
+// Cycles that leave more than this part of the energy's excess are given up after `patience` of them.
+constexpr double slowest = 0.5;
+constexpr int patience = 3;
+
+// Coarse levels of blocks.
+class BlockCorrection
+{
+public:
+  BlockCorrection(LeanField& field, int threads)
+    : multigrid_(firstLevel(field, threads), threads, Coarsening::Blocks)
+  {
+  }
+  void correct(LeanField& field)
+  {
+    Level& coarse = multigrid_.finest();
+    field.restrictTo(coarse);
+    multigrid_.apply(coarse.f, coarse.u);
+    field.addFrom(coarse);
+  }
+  [[nodiscard]] std::size_t bytes() const { return multigrid_.bytes(); }
+  static constexpr Method method = Method::LeanMultigrid;
+  static constexpr double leastRate = 0; // rates rise smoothly
+  static constexpr const char* tooMuch = "thin walls that insulate are too much for blocks of nodes: ";
+
+private:
+  static Level firstLevel(LeanField& field, int threads)
+  {
+    return std::move(*coarsenBlocks(
+      field.level(), [&field](int d, std::int64_t y, std::int64_t z, float* out) { field.linkRow(d, y, z, out); },
+      threads));
+  }
+  Multigrid multigrid_;
+};
+
+// Of pieces of blocks.
+class PieceCorrection : public PieceMultigrid
+{
+public:
+  using PieceMultigrid::PieceMultigrid;
+  static constexpr Method method = Method::PieceMultigrid;
+  static constexpr double leastRate = 0.25; // a quick cycle may be followed by a slow one
+  static constexpr const char* tooMuch = "";
+};
+
+// The picture without conducting nodes that no flux reaches: a constant is free on such an island, and its round-off
+// would be noise in the energy.
+struct Masked
+{
+  Percolation percolation;
+  std::vector<std::uint8_t> phase;
+  std::int64_t carrying = 0; ///< nodes of this rank that flux reaches
+
+  Masked(const Problem& problem, std::uint8_t blocking)
+    : percolation(findPercolation(
+        problem.lattice, problem.parts, haloOf(problem), problem.comm, problem.links(), problem.axis, problem.phase))
+  {
+    if (!percolation.exists)
+      throw NoPathError(fmt::format("no conducting path leads across the box along {}", "xyz"[problem.axis]),
+        "give the phase that should conduct a conductivity above 0, or choose another window or direction");
+    phase.assign(problem.phase.begin(), problem.phase.end());
+    forEachNode(problem,
+      [&](std::size_t i, std::int64_t row, std::int64_t x)
+      {
+        if (percolation.carrying.contains(row, x))
+          ++carrying;
+        else
+          phase[i] = blocking;
+      });
+  }
+  [[nodiscard]] std::size_t bytes() const
+  {
+    return phase.size() + percolation.carrying.bytes() + percolation.reachesLow.bytes() +
+      percolation.reachesHigh.bytes();
+  }
+
+  static Halo haloOf(const Problem& problem)
+  {
+    return { problem.lattice.dimension, problem.parts.block().size, problem.parts, problem.comm, problem.periodic() };
+  }
+  // f(place in the block, row with ghosts, x)
+  template <class F>
+  static void forEachNode(const Problem& problem, F&& f)
+  {
+    const auto& size = problem.parts.block().size;
+    const Halo halo = haloOf(problem);
+    std::size_t i = 0;
+    for (std::int64_t z = 0; z < size[2]; ++z)
+      for (std::int64_t y = 0; y < size[1]; ++y)
+        for (std::int64_t x = 0; x < size[0]; ++x)
+          f(i++, halo.row(y, z), x);
+  }
+};
+
+template <class Correction>
+class LeanSystem final : public Backend
+{
+public:
+  explicit LeanSystem(const Problem& problem, std::unique_ptr<Masked> masked = {})
+    : problem_(problem)
+    , masked_(std::move(masked))
+    , field_(problemOf(problem, masked_.get()))
+    , correction_(field_, problem.options.threads)
+  {
+  }
+
+  SteadyResult solve() override
+  {
+    SteadyResult result;
+    result.method = Correction::method;
+    result.nodes = problem_.lattice.count();
+    result.stored = masked_ ? problem_.comm.sum(masked_->carrying) : result.nodes;
+    result.skipped = result.nodes - result.stored;
+    result.bytes = static_cast<std::uint64_t>(problem_.comm.sum(static_cast<std::int64_t>(
+      correction_.bytes() + field_.bytes() + problem_.phase.size() + (masked_ ? masked_->bytes() : 0))));
+
+    const SteadyOptions& options = problem_.options;
+    const bool periodic = options.sides == Sides::Periodic;
+    double target = std::min(options.tolerance, options.fieldTolerance * options.fieldTolerance);
+    if (periodic) // the rest of a periodic cell's column errs like the field
+      target = std::min(target, options.tolerance * options.tolerance);
+    target = std::max(target, leastTarget);
+
+    FieldSums sums;
+    PlaneSums planes;
+    const auto energyNow = [&]
+    {
+      sums = field_.sums(planes);
+      return PlaneBalance(planes, sums.energy, periodic).energy;
+    };
+    double energy = energyNow();
+    double fall = std::numeric_limits<double>::quiet_NaN(); // of the energy in a cycle, relative
+    double rate = fall;                                     // of the falls
+    int slow = 0;
+    for (;;)
+    {
+      if (result.iterations >= options.maxIterations)
+        fail(result, "");
+      field_.relax(fieldSweeps, true);
+      correction_.correct(field_);
+      field_.relax(fieldSweeps, false);
+      ++result.iterations;
+
+      const double now = energyNow();
+      if (!std::isfinite(now) || !(now > 0))
+        fail(result, "");
+      const double fallBefore = std::exchange(fall, (std::exchange(energy, now) - now) / now);
+      const double rateBefore = std::exchange(rate, fall / fallBefore);
+      if (std::abs(fall) <= mayBeRoundOff)
+        if (const double noise = field_.roundOff() / sums.energy; std::abs(fall) <= safety * noise)
+        {
+          result.solverError = safety * noise;
+          if (result.solverError > target)
+            fail(result, singlePrecision);
+          break;
+        }
+      slow = rate > slowest || rate < 0 ? slow + 1 : 0;
+      if (slow == patience)
+      {
+        const bool rounded = std::abs(fall) <= mayBeRoundOff;
+        result.solverError = rounded ? safety * std::abs(fall) : 1.0;
+        fail(result, rounded ? singlePrecision : Correction::tooMuch);
+      }
+      // The rate rises to that of the slowest part of the error, by less and less. The first one tells nothing: the
+      // linear profile is not what a cycle leaves.
+      if (std::isnan(rateBefore))
+        continue;
+      const double next = std::max({ Correction::leastRate, rate, 2 * rate - rateBefore });
+      result.solverError = rate > 0 && next < 1 ? safety * fall * next / (1 - next) : 1.0;
+      reportProgress(options, problem_.comm, progressOf(result.solverError, target), "solving");
+      if (result.solverError <= target && slow == 0)
+        break;
+    }
+    balance_.emplace(planes, sums.energy, periodic);
+    setEffective(result, balanced(sums, planes), problem_.lattice, problem_.axis, field_.links().scale());
+    return result;
+  }
+
+  void value(std::span<double> out) const override
+  {
+    balancedField().value(out);
+    if (!masked_)
+      return;
+    const bool periodic = problem_.options.sides == Sides::Periodic;
+    const Percolation& p = masked_->percolation;
+    Masked::forEachNode(problem_,
+      [&](std::size_t i, std::int64_t row, std::int64_t x)
+      {
+        if (p.carrying.contains(row, x))
+          return;
+        const bool low = !periodic && p.reachesLow.contains(row, x);
+        const bool high = !periodic && p.reachesHigh.contains(row, x);
+        out[i] = low ? 1.0 : high ? 0.0 : std::numeric_limits<double>::quiet_NaN();
+      });
+  }
+  void flux(std::span<double> out) const override { balancedField().flux(out); }
+
+private:
+  static Problem problemOf(Problem problem, const Masked* masked)
+  {
+    if (masked != nullptr)
+      problem.phase = masked->phase;
+    return problem;
+  }
+
+  // Sums of the field as the balance of its planes makes it, before single precision rounds it.
+  [[nodiscard]] FieldSums balanced(const FieldSums& sums, const PlaneSums& planes) const
+  {
+    const PlaneBalance& b = *balance_;
+    const bool periodic = problem_.options.sides == Sides::Periodic;
+    const auto layers = static_cast<std::int64_t>(b.shift.size());
+    const double n = static_cast<double>(layers);
+    // the profile that takes the place of the linear one, and what it falls across a plane
+    const auto profile = [&](std::int64_t layer)
+    {
+      if (layer < 0)
+        return 1.0;
+      return layer == layers
+        ? 0.0
+        : b.shift[static_cast<std::size_t>(layer)] + b.factor * (1 - (static_cast<double>(layer) + 0.5) / n);
+    };
+    const auto through = [&](std::int64_t plane)
+    {
+      const auto i = static_cast<std::size_t>(plane);
+      const bool face = !periodic && (plane == 0 || plane == layers);
+      const double linear = (face ? 0.5 : 1.0) / n;
+      const double drop = periodic
+        ? b.shift[static_cast<std::size_t>((plane + layers - 1) % layers)] - b.shift[i] + linear
+        : profile(plane - 1) - profile(plane);
+      return b.factor * (planes.flux[i] - planes.conductance[i] * linear) + planes.conductance[i] * drop;
+    };
+    FieldSums all = sums;
+    all.energy = b.energy;
+    all.inlet = through(0);
+    all.outlet = through(periodic ? layers / 2 : layers);
+    for (double& q : all.flux)
+      q *= b.factor; // shifts drive nothing across
+    return all;
+  }
+
+  [[nodiscard]] LeanField& balancedField() const
+  {
+    if (balance_)
+      field_.apply(*balance_);
+    balance_.reset();
+    return field_;
+  }
+
+  [[noreturn]] void fail(const SteadyResult& result, const char* why) const
+  {
+    throw DivergenceError(
+      fmt::format("{}the value still errs by {:.1e} after {} {} iterations (asked for {:.1e})", why, result.solverError,
+        result.iterations, name(Correction::method), problem_.options.tolerance),
+      "leave the method at auto, or take multigrid or algebraic-multigrid");
+  }
+
+  Problem problem_;
+  std::unique_ptr<Masked> masked_; ///< where some phase does not conduct
+  mutable LeanField field_;
+  mutable std::optional<PlaneBalance> balance_; ///< not yet applied to the field
+  Correction correction_;
+};
+
+} // namespace
+
+bool leanFits(const Problem& problem)
+{
+  if (problem.table != nullptr ||
+    (problem.options.stencil != Stencil::D2Q5 && problem.options.stencil != Stencil::D3Q7))
+    return false;
+  if (problem.comm.parallel() && problem.parts.levels() == 0)
+    return false;
+  const auto periodic = problem.periodic();
+  for (std::size_t a = 0; a < 3; ++a)
+    if (periodic[a] && problem.lattice.size[a] % 2 != 0)
+      return false;
+  return true;
+}
+
+std::unique_ptr<Backend> makeLeanSystem(const Problem& problem)
+{
+  return std::make_unique<LeanSystem<BlockCorrection>>(problem);
+}
+
+bool piecesFit(const Problem& problem)
+{
+  return leanFits(problem) && !problem.comm.parallel();
+}
+
+std::unique_ptr<Backend> makePieceSystem(const Problem& problem)
+{
+  const auto blocks = [&](std::uint8_t id) { return !(problem.diffusivity[id] > 0); };
+  const auto blocking = std::ranges::find_if(problem.phase, blocks);
+  return std::make_unique<LeanSystem<PieceCorrection>>(
+    problem, blocking == problem.phase.end() ? nullptr : std::make_unique<Masked>(problem, *blocking));
+}
+
+} // namespace lamella::lbm

@@ -1,0 +1,334 @@
+// Compiled once for every instruction set, with LAMELLA_KERNELS naming the table that it defines; see PhaseKernels.h.
+//
+// Pictures stay in natural order, one byte a node, where they are; the field is split by the parity of x. So phases are
+// read as pairs of neighbouring bytes, of which one half or the other counts.
+
+#include "lbm/lean/PhaseKernels.h"
+
+namespace lamella::lbm
+{
+namespace
+{
+
+// Added to the sum of a node's links: where there are none, nothing is divided by 0.
+constexpr float tiny = 1e-30F;
+
+// Two bytes from any address, the lower one in the low half.
+typedef std::uint16_t Pair __attribute__((aligned(1), may_alias));
+
+inline int lowOf(const Pair* p, std::int64_t i)
+{
+  return p[i] & 0xff;
+}
+inline int highOf(const Pair* p, std::int64_t i)
+{
+  return p[i] >> 8;
+}
+
+// Link values from a node on to its neighbours. Of two phases, chosen by bits: exact, and compilers make no branches
+// of it.
+template <class Real>
+struct BitsOf;
+template <>
+struct BitsOf<float>
+{
+  using type = std::int32_t;
+};
+template <>
+struct BitsOf<double>
+{
+  using type = std::int64_t;
+};
+
+template <class Real>
+struct Select
+{
+  using Bits = typename BitsOf<Real>::type;
+  Bits t00, t01, to01, to11; // to: what turns into the other value
+  int second;
+  explicit Select(const PhaseLinks& l)
+    : t00(bits(l.both[0]))
+    , t01(bits(l.both[1]))
+    , to01(t00 ^ t01)
+    , to11(t01 ^ bits(l.both[2]))
+    , second(l.second)
+  {
+  }
+  static Bits bits(double value) { return __builtin_bit_cast(Bits, static_cast<Real>(value)); }
+  static Bits mask(int id, int second) { return -static_cast<Bits>(id == second); }
+  // Plain numbers: compilers keep a structure of two in memory, and vectorise nothing then.
+  Bits own(int id) const { return t00 ^ (mask(id, second) & to01); }
+  Bits change(int id) const { return to01 ^ (mask(id, second) & (to01 ^ to11)); }
+  Real link(Bits own, Bits change, int id) const { return __builtin_bit_cast(Real, own ^ (mask(id, second) & change)); }
+};
+
+inline const float* halfOf(const PhaseLinks& l, float)
+{
+  return l.halfSingle;
+}
+inline const double* halfOf(const PhaseLinks& l, double)
+{
+  return l.half;
+}
+
+template <class Real>
+struct Lookup
+{
+  const Real* half;
+  explicit Lookup(const PhaseLinks& l)
+    : half(halfOf(l, Real{}))
+  {
+  }
+  Real own(int id) const { return half[id]; }
+  int change(int) const { return 0; }
+  Real link(Real own, int, int id) const { return Real{ 1 } / (own + half[id]); }
+};
+
+template <class Table>
+inline auto between(const Table& table, int a, int b)
+{
+  return table.link(table.own(a), table.change(a), b);
+}
+
+// A Gauss-Seidel half sweep over a half-row, or its residual added to `out`.
+template <class Table, bool Residual>
+void relaxWith(const PhaseLinks& links, const PhaseRow& row, float* out)
+{
+  const Table table(links);
+  const std::int64_t nx = row.nx;
+  const int part = row.part;
+  const std::int64_t count = part == 0 ? (nx + 1) / 2 : nx / 2;
+  const float* own = row.own;
+  const float *vs = row.side[0].value, *vn = row.side[1].value, *vb = row.side[2].value, *vt = row.side[3].value;
+  const float ws = row.side[0].weight, wn = row.side[1].weight, wb = row.side[2].weight, wt = row.side[3].weight;
+  const float os = row.side[0].offset, on = row.side[1].offset, ob = row.side[2].offset, ot = row.side[3].offset;
+  const float *west = row.west, *east = row.east;
+  const float step = row.step;
+
+  const auto end = [&](std::int64_t i, std::int64_t x)
+  {
+    const auto node = [&](int id) { return table.link(table.own(row.phase[x]), table.change(row.phase[x]), id); };
+    const float u = own[i];
+    float s = 0;
+    float d = 0;
+    const auto link = [&](float g, float v, float offset)
+    {
+      s += g * (v - u + offset);
+      d += g;
+    };
+    if (x > 0)
+      link(node(row.phase[x - 1]), west[i], -step);
+    else
+      link(row.low.weight * node(row.low.phase), row.low.value, row.low.offset);
+    if (x < nx - 1)
+      link(node(row.phase[x + 1]), east[i], step);
+    else
+      link(row.high.weight * node(row.high.phase), row.high.value, row.high.offset);
+    for (const RowSide& side : row.side)
+      link(side.weight * node(side.phase[x]), side.value[i], side.offset);
+    if constexpr (Residual)
+      out[i] += s;
+    else
+      out[i] = u + s / (d + tiny);
+  };
+
+  // inner nodes: part 0 from 1 on, and the last node of either part is left out where it ends the row
+  const std::int64_t first = part == 0 ? 1 : 0;
+  const std::int64_t last = 2 * (count - 1) + part == nx - 1 ? count - 1 : count;
+  const auto inner = [&]<bool High>()
+  {
+    // node x = 2i + part; before: the pair (x − 1, x), after: (x, x + 1); beside: the pair at 2i
+    const std::uint8_t* p = row.phase + (High ? 0 : -1);
+    const Pair* before = reinterpret_cast<const Pair*>(p);
+    const Pair* after = reinterpret_cast<const Pair*>(p + 1);
+    const Pair* ps = reinterpret_cast<const Pair*>(row.side[0].phase);
+    const Pair* pn = reinterpret_cast<const Pair*>(row.side[1].phase);
+    const Pair* pb = reinterpret_cast<const Pair*>(row.side[2].phase);
+    const Pair* pt = reinterpret_cast<const Pair*>(row.side[3].phase);
+    const auto beside = [](const Pair* q, std::int64_t i) { return High ? highOf(q, i) : lowOf(q, i); };
+#pragma omp simd
+    for (std::int64_t i = first; i < last; ++i)
+    {
+      const int id = highOf(before, i);
+      const auto mine = table.own(id);
+      const auto change = table.change(id);
+      const float u = own[i];
+      const float gw = table.link(mine, change, lowOf(before, i));
+      const float ge = table.link(mine, change, highOf(after, i));
+      const float gs = ws * table.link(mine, change, beside(ps, i));
+      const float gn = wn * table.link(mine, change, beside(pn, i));
+      const float gb = wb * table.link(mine, change, beside(pb, i));
+      const float gt = wt * table.link(mine, change, beside(pt, i));
+      // differences first: else round-off stops the flux at 1e-6
+      const float s = gw * (west[i] - u - step) + ge * (east[i] - u + step) + gs * (vs[i] - u + os) +
+        gn * (vn[i] - u + on) + gb * (vb[i] - u + ob) + gt * (vt[i] - u + ot);
+      if constexpr (Residual)
+        out[i] += s;
+      else
+        out[i] = u + s / (((gw + ge) + (gs + gn)) + ((gb + gt) + tiny));
+    }
+  };
+  if (part == 0)
+    inner.template operator()<false>();
+  else
+    inner.template operator()<true>();
+  if (part == 0)
+    end(0, 0);
+  if (last < count && (last > 0 || part == 1))
+    end(last, nx - 1);
+}
+
+void relax(const PhaseLinks& links, const PhaseRow& row, float* own)
+{
+  if (links.two)
+    relaxWith<Select<float>, false>(links, row, own);
+  else
+    relaxWith<Lookup<float>, false>(links, row, own);
+}
+
+void addResidual(const PhaseLinks& links, const PhaseRow& row, float* out)
+{
+  if (links.two)
+    relaxWith<Select<float>, true>(links, row, out);
+  else
+    relaxWith<Lookup<float>, true>(links, row, out);
+}
+
+template <class Table>
+void sumsWith(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, double* planes)
+{
+  const Table table(links);
+  const std::int64_t nx = row.nx;
+  const int part = row.part;
+  const std::int64_t count = part == 0 ? (nx + 1) / 2 : nx / 2;
+  const float* own = row.own;
+  const float* east = row.east;
+  double energy = 0;
+  // drops are values here less values there: the opposite of the offsets' sense
+  {
+    const std::int64_t last = 2 * (count - 1) + part == nx - 1 ? count - 1 : count;
+    const Pair* after = reinterpret_cast<const Pair*>(row.phase + part);
+    const double step = row.step;
+    double flux = 0;
+    if (planes != nullptr)
+    {
+#pragma omp simd reduction(+ : energy, flux)
+      for (std::int64_t i = 0; i < last; ++i)
+      {
+        const double g = between(table, lowOf(after, i), highOf(after, i));
+        const double drop = static_cast<double>(own[i]) - static_cast<double>(east[i]) - step;
+        energy += g * drop * drop;
+        flux += g * drop;
+        planes[i] += g * drop;
+      }
+    }
+    else
+    {
+#pragma omp simd reduction(+ : energy, flux)
+      for (std::int64_t i = 0; i < last; ++i)
+      {
+        const double g = between(table, lowOf(after, i), highOf(after, i));
+        const double drop = static_cast<double>(own[i]) - static_cast<double>(east[i]) - step;
+        energy += g * drop * drop;
+        flux += g * drop;
+      }
+    }
+    const auto end = [&](std::int64_t i, std::int64_t x, const RowEnd& e, bool high)
+    {
+      const double g = e.weight * between(table, row.phase[x], e.phase);
+      const double drop = static_cast<double>(own[i]) - static_cast<double>(e.value) - static_cast<double>(e.offset);
+      const bool wall = e.weight != 1.0F;
+      if (!wall && !high)
+        return; // a link that wraps belongs to its lower end
+      energy += g * drop * drop;
+      if (!wall)
+      {
+        flux += g * drop;
+        if (planes != nullptr)
+          planes[i] += g * drop;
+      }
+      else if (high)
+        sums.high += g * drop;
+      else
+        sums.low -= g * drop;
+    };
+    if (part == 0)
+      end(0, 0, row.low, false);
+    if (last < count)
+      end(last, nx - 1, row.high, true);
+    sums.flux[0] += flux;
+  }
+  for (int k = 0; k < 4; ++k)
+  {
+    const RowSide& side = row.side[k];
+    const bool wall = side.weight != 1.0F;
+    if (side.weight == 0.0F || (!wall && k % 2 == 0))
+      continue;
+    const double weight = side.weight;
+    const double offset = side.offset;
+    const float* value = side.value;
+    const std::uint8_t* a = row.phase + part;
+    const std::uint8_t* b = side.phase + part;
+    double flux = 0;
+#pragma omp simd reduction(+ : energy, flux)
+    for (std::int64_t i = 0; i < count; ++i)
+    {
+      const double g = weight * between(table, a[2 * i], b[2 * i]);
+      const double drop = static_cast<double>(own[i]) - static_cast<double>(value[i]) - offset;
+      energy += g * drop * drop;
+      flux += g * drop;
+    }
+    if (!wall)
+      sums.flux[1 + k / 2] += flux;
+    else if (k % 2 == 1)
+      sums.high += flux;
+    else
+      sums.low -= flux;
+  }
+  sums.energy += energy;
+}
+
+void addSums(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, double* planes)
+{
+  if (links.two)
+    sumsWith<Select<double>>(links, row, sums, planes);
+  else
+    sumsWith<Lookup<double>>(links, row, sums, planes);
+}
+
+template <class Table>
+void linksWith(
+  const PhaseLinks& links, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, float* __restrict out)
+{
+  const Table table(links);
+#pragma omp simd
+  for (std::int64_t i = 0; i < n; ++i)
+    out[i] = between(table, a[i], b[i]);
+}
+
+void linksOf(const PhaseLinks& links, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, float* out)
+{
+  if (links.two)
+    linksWith<Select<float>>(links, n, a, b, out);
+  else
+    linksWith<Lookup<float>>(links, n, a, b, out);
+}
+
+void addToBoth(std::int64_t evens, std::int64_t odds, const float* coarse, float* even, float* odd)
+{
+#pragma omp simd
+  for (std::int64_t i = 0; i < odds; ++i)
+  {
+    even[i] += coarse[i];
+    odd[i] += coarse[i];
+  }
+  if (evens > odds)
+    even[odds] += coarse[odds];
+}
+
+} // namespace
+
+extern const PhaseKernels LAMELLA_KERNELS;
+const PhaseKernels LAMELLA_KERNELS = { relax, addResidual, addSums, linksOf, addToBoth };
+
+} // namespace lamella::lbm

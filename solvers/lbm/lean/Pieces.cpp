@@ -1,0 +1,702 @@
+#include "lbm/lean/Pieces.h"
+
+#include "lbm/multigrid/Kernels.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace lamella::lbm
+{
+namespace
+{
+
+constexpr int pieceSweeps = 3; // before and after
+// Links of at least this part of the strongest ones join nodes; halved from level to level.
+constexpr double strongPart = 0.25;
+// Of the links between two pieces a coarse link is at least this part.
+constexpr float least = 0.5F;
+// Small enough to be solved directly.
+constexpr std::size_t coarsestCount = 1000;
+// A level that is not smaller than this part of the one before ends the coarsening.
+constexpr double worthwhile = 0.8;
+// The coarsest level, where it is too large for that, is relaxed that often.
+constexpr int coarsestSweeps = 30;
+constexpr std::size_t threadedCount = 20000;
+constexpr std::uint32_t apart = 15;
+
+float half(float inside)
+{
+  return inside > 0 ? 0.5F / inside : 0.0F;
+}
+
+float inSeries(float between, float insideHere, float insideThere)
+{
+  return between > 0 ? std::max(least * between, 1 / (half(insideHere) + 1 / between + half(insideThere))) : 0.0F;
+}
+
+// A few sums by key, in the order in which keys come first.
+struct Few
+{
+  std::vector<std::uint32_t> key;
+  std::vector<float> sum;
+  void clear()
+  {
+    key.clear();
+    sum.clear();
+  }
+  void add(std::uint32_t k, float value)
+  {
+    for (std::size_t i = 0; i < key.size(); ++i)
+      if (key[i] == k)
+      {
+        sum[i] += value;
+        return;
+      }
+    key.push_back(k);
+    sum.push_back(value);
+  }
+};
+
+std::size_t blockCount(const std::array<std::int64_t, 3>& blocks)
+{
+  return static_cast<std::size_t>(blocks[0] * blocks[1] * blocks[2]);
+}
+
+void startsFromCounts(std::vector<std::uint32_t>& start)
+{
+  std::uint32_t before = 0;
+  for (auto& s : start)
+    s = std::exchange(before, before + s);
+}
+
+std::size_t blockIndex(const std::array<std::int64_t, 3>& blocks, const std::array<std::int64_t, 3>& p)
+{
+  return static_cast<std::size_t>(p[0] + blocks[0] * (p[1] + blocks[1] * p[2]));
+}
+
+std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i)
+{
+  while (parent[i] != i)
+    i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+} // namespace
+
+std::size_t PieceLevel::bytes() const noexcept
+{
+  const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
+  return of(start) + of(row) + of(other) + of(link) + of(wall) + of(inverse) + of(coarse) + of(x) + of(b) +
+    of(work[0]) + of(work[1]) + of(work[2]);
+}
+
+template <class F>
+void PieceMultigrid::forBlockRows(const std::array<std::int64_t, 3>& blocks, F&& f) const
+{
+  const int threads = blockCount(blocks) < threadedCount ? 1 : threads_;
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(dynamic, 16)
+  for (std::int64_t i = 0; i < blocks[1] * blocks[2]; ++i)
+    f(i % blocks[1], i / blocks[1]);
+}
+
+template <class F>
+void PieceMultigrid::forBlocks(const std::array<std::int64_t, 3>& blocks, F&& f) const
+{
+  forBlockRows(
+    blocks,
+    [&](std::int64_t by, std::int64_t bz)
+    {
+      for (std::int64_t bx = 0; bx < blocks[0]; ++bx)
+        f(bx, by, bz, blockIndex(blocks, { bx, by, bz }));
+    });
+}
+
+PieceMultigrid::PieceMultigrid(const LeanField& field, int threads)
+  : periodic_(field.periodic())
+  , axis_(field.axis())
+  , threads_(std::max(1, threads))
+{
+  label(field);
+  linkFirst(field);
+  double strong = everyLink_ ? 0 : strongPart;
+  while (levels_.back().count() > coarsestCount && coarsen(strong *= 0.5))
+  {
+  }
+  factorize();
+}
+
+std::size_t PieceMultigrid::bytes() const noexcept
+{
+  std::size_t total = labels_.capacity() * sizeof(labels_[0]);
+  for (const PieceLevel& level : levels_)
+    total += level.bytes();
+  return total;
+}
+
+// The pieces of every block of nodes.
+void PieceMultigrid::label(const LeanField& field)
+{
+  const std::array<std::int64_t, 3> size = field.size();
+  PieceLevel& first = levels_.emplace_back();
+  for (std::size_t a = 0; a < 3; ++a)
+    first.blocks[a] = (size[a] + 1) / 2;
+  labels_.assign(blockCount(first.blocks), 0);
+  first.start.assign(labels_.size() + 1, 0);
+  // which phases are joined
+  std::vector<std::uint8_t> joined(256 * 256, 0);
+  everyLink_ = true;
+  const std::span<const std::uint8_t> ids = field.ids();
+  for (const std::uint8_t a : ids)
+    for (const std::uint8_t b : ids)
+    {
+      const double link = field.links().mean(a, b);
+      const bool strong = link > 0 && link >= strongPart * std::max(field.links().mean(a, a), field.links().mean(b, b));
+      joined[static_cast<std::size_t>(a) * 256 + b] = strong ? 1 : 0;
+      everyLink_ = everyLink_ && (strong || !(link > 0));
+    }
+  forBlockRows(first.blocks,
+    [&](std::int64_t by, std::int64_t bz)
+    {
+      std::array<const std::uint8_t*, 4> rows{};
+      for (int k = 0; k < 4; ++k)
+      {
+        const std::int64_t y = 2 * by + (k & 1);
+        const std::int64_t z = 2 * bz + (k >> 1);
+        rows[static_cast<std::size_t>(k)] = y < size[1] && z < size[2] ? field.phaseRow(y, z) : nullptr;
+      }
+      for (std::int64_t bx = 0; bx < first.blocks[0]; ++bx)
+      {
+        std::array<int, 8> label{}; // the least node of its piece
+        std::array<int, 8> id{};
+        for (int n = 0; n < 8; ++n)
+        {
+          const auto i = static_cast<std::size_t>(n);
+          const std::uint8_t* row = rows[i >> 1];
+          const std::int64_t x = 2 * bx + (n & 1);
+          id[i] = row != nullptr && x < size[0] && field.links().conducts(row[x]) ? row[x] : -1;
+          label[i] = n;
+        }
+        for (bool changed = true; changed;)
+        {
+          changed = false;
+          for (int n = 0; n < 8; ++n)
+            for (const int step : { 1, 2, 4 })
+            {
+              const auto i = static_cast<std::size_t>(n);
+              const auto j = static_cast<std::size_t>(n | step);
+              if ((n & step) != 0 || id[i] < 0 || id[j] < 0 || label[i] == label[j] ||
+                joined[static_cast<std::size_t>(id[i]) * 256 + static_cast<std::size_t>(id[j])] == 0)
+                continue;
+              label[i] = label[j] = std::min(label[i], label[j]);
+              changed = true;
+            }
+        }
+        std::uint32_t packed = 0;
+        std::uint32_t pieces = 0;
+        std::array<std::uint32_t, 8> number{};
+        for (std::size_t i = 0; i < 8; ++i)
+        {
+          if (id[i] >= 0 && label[i] == static_cast<int>(i))
+            number[i] = pieces++;
+          packed |= (id[i] < 0 ? apart : number[static_cast<std::size_t>(label[i])]) << (4 * i);
+        }
+        const auto block = static_cast<std::size_t>(bx + first.blocks[0] * (by + first.blocks[1] * bz));
+        labels_[block] = packed;
+        first.start[block] = pieces;
+      }
+    });
+  startsFromCounts(first.start);
+}
+
+// The links of a level whose pieces are known. gather(bx, by, bz, f) calls f(here, there, link, axis) for every link of
+// every child in a block, from either end: there is `none` beyond a wall, axis is 3 inside a child's own block.
+template <class Gather>
+void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
+{
+  const std::size_t n = level.start.back();
+  for (auto* v : { &level.x, &level.b, &level.inverse, &level.wall })
+    v->assign(n, 0.0F);
+  for (auto& v : level.work)
+    v.assign(n, 0.0F); // first: the links inside each piece along x, y, z
+  level.row.assign(n + 1, 0);
+  forBlocks(level.blocks,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t)
+    {
+      gather(bx, by, bz,
+        [&](std::uint32_t here, std::uint32_t there, float link, std::size_t axis)
+        {
+          if (there == PieceLevel::none)
+            level.wall[here] += link;
+          else if (here == there && axis < 3)
+            level.work[axis][here] += 0.5F * link; // it comes from either end
+        });
+    });
+  // how many links an unknown has, then which
+  for (const bool fill : { false, true })
+  {
+    forBlocks(level.blocks,
+      [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t block)
+      {
+        thread_local std::vector<std::array<Few, 4>> few; // by piece and by axis; 3: to a piece of the same block
+        const std::uint32_t begin = level.start[block];
+        const std::uint32_t end = level.start[block + 1];
+        if (few.size() < end - begin)
+          few.resize(end - begin);
+        gather(bx, by, bz,
+          [&](std::uint32_t here, std::uint32_t there, float link, std::size_t axis)
+          {
+            if (there != PieceLevel::none && here != there)
+              few[here - begin][there >= begin && there < end ? 3 : axis].add(there, link);
+          });
+        for (std::uint32_t i = begin; i < end; ++i)
+        {
+          std::size_t at = level.row[i];
+          const float wall = inSeries(level.wall[i], level.work[static_cast<std::size_t>(axis_)][i], 0);
+          double total = static_cast<double>(wall);
+          for (std::size_t axis = 0; axis < 4; ++axis)
+          {
+            Few& f = few[i - begin][axis];
+            for (std::size_t k = 0; k < f.key.size(); ++k, ++at)
+              if (fill)
+              {
+                const float link =
+                  axis == 3 ? f.sum[k] : inSeries(f.sum[k], level.work[axis][i], level.work[axis][f.key[k]]);
+                level.other[at] = f.key[k];
+                level.link[at] = link;
+                total += static_cast<double>(link);
+              }
+            f.clear();
+          }
+          if (fill)
+          {
+            level.wall[i] = wall;
+            level.inverse[i] = total > 0 ? static_cast<float>(1 / total) : 0.0F;
+          }
+          else
+            level.row[i] = at; // a count, from 0
+        }
+      });
+    if (fill)
+      break;
+    std::size_t before = 0;
+    for (auto& r : level.row)
+      r = std::exchange(before, before + r);
+    level.other.assign(before, 0);
+    level.link.assign(before, 0.0F);
+  }
+}
+
+// The links between the pieces of blocks of nodes.
+void PieceMultigrid::linkFirst(const LeanField& field)
+{
+  PieceLevel& level = levels_.front();
+  const std::array<std::int64_t, 3> size = field.size();
+  const std::array<std::int64_t, 3> blocks = level.blocks;
+  const auto unknown = [&](const std::array<std::int64_t, 3>& p)
+  {
+    const auto block = static_cast<std::size_t>(p[0] / 2 + blocks[0] * (p[1] / 2 + blocks[1] * (p[2] / 2)));
+    const auto node = static_cast<unsigned>((p[0] & 1) + 2 * (p[1] & 1) + 4 * (p[2] & 1));
+    const std::uint32_t piece = (labels_[block] >> (4 * node)) & apart;
+    return piece == apart ? PieceLevel::none : level.start[block] + piece;
+  };
+  link(level,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, auto&& f)
+    {
+      for (int k = 0; k < 8; ++k)
+      {
+        const std::array<std::int64_t, 3> p{ 2 * bx + (k & 1), 2 * by + ((k >> 1) & 1), 2 * bz + (k >> 2) };
+        if (p[0] >= size[0] || p[1] >= size[1] || p[2] >= size[2])
+          continue;
+        const std::uint32_t here = unknown(p);
+        if (here == PieceLevel::none)
+          continue;
+        const std::uint8_t id = field.phaseRow(p[1], p[2])[p[0]];
+        for (std::size_t a = 0; a < 3; ++a)
+          for (const int step : { -1, 1 })
+          {
+            std::array<std::int64_t, 3> q = p;
+            q[a] += step;
+            if (q[a] < 0 || q[a] >= size[a])
+            {
+              if (field.links().boundary(static_cast<int>(a)) == Boundary::Fixed)
+                f(here, PieceLevel::none, static_cast<float>(field.links().wall(id)), a);
+              if (!periodic_[a])
+                continue;
+              q[a] = (q[a] + size[a]) % size[a];
+            }
+            const std::uint32_t there = unknown(q);
+            if (there != PieceLevel::none)
+              f(here, there, static_cast<float>(field.links().mean(id, field.phaseRow(q[1], q[2])[q[0]])), a);
+          }
+      }
+    });
+}
+
+// The next level. Links of at least `strong` of the strongest at both ends join. Returns whether that was worth while.
+bool PieceMultigrid::coarsen(double strong)
+{
+  PieceLevel next;
+  PieceLevel& fine = levels_.back();
+  const std::array<std::int64_t, 3> size = fine.blocks;
+  for (std::size_t a = 0; a < 3; ++a)
+    next.blocks[a] = (size[a] + 1) / 2;
+  if (next.blocks == size)
+    return false;
+  const std::size_t n = fine.count();
+  fine.coarse.assign(n, PieceLevel::none);
+  next.start.assign(blockCount(next.blocks) + 1, 0);
+
+  std::vector<float>& strongest = fine.work[0]; // link of each unknown
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    strongest[i] = 0;
+    for (std::size_t e = fine.row[i]; e < fine.row[i + 1]; ++e)
+      strongest[i] = std::max(strongest[i], fine.link[e]);
+  }
+  // f(unknown of the fine level, its block, where along x that is) for all of a coarse block, in order
+  const auto forChildren = [&](std::int64_t bx, std::int64_t by, std::int64_t bz, auto&& f)
+  {
+    for (std::int64_t z = 2 * bz; z < std::min(2 * bz + 2, size[2]); ++z)
+      for (std::int64_t y = 2 * by; y < std::min(2 * by + 2, size[1]); ++y)
+        for (std::int64_t x = 2 * bx; x < std::min(2 * bx + 2, size[0]); ++x)
+        {
+          const std::array<std::int64_t, 3> block{ x, y, z };
+          const std::size_t at = blockIndex(size, block);
+          for (std::uint32_t i = fine.start[at]; i < fine.start[at + 1]; ++i)
+            f(i, block);
+        }
+  };
+  // pieces, numbered within their block at first
+  std::vector<std::uint32_t> place(n, 0); // of a child in its block
+  forBlocks(next.blocks,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t block)
+    {
+      thread_local std::vector<std::uint32_t> children;
+      thread_local std::vector<std::uint32_t> parent;
+      children.clear();
+      forChildren(bx, by, bz,
+        [&](std::uint32_t i, const auto&)
+        {
+          place[i] = static_cast<std::uint32_t>(children.size());
+          children.push_back(i);
+        });
+      parent.resize(children.size());
+      std::iota(parent.begin(), parent.end(), 0U);
+      for (std::uint32_t k = 0; k < children.size(); ++k)
+      {
+        const std::uint32_t i = children[k];
+        for (std::size_t e = fine.row[i]; e < fine.row[i + 1]; ++e)
+        {
+          const std::uint32_t j = fine.other[e];
+          const float enough = static_cast<float>(strong) * std::max(strongest[i], strongest[j]);
+          if (j > i || j < children.front() || !std::ranges::binary_search(children, j) || fine.link[e] < enough)
+            continue;
+          const std::uint32_t a = rootOf(parent, k);
+          const std::uint32_t b = rootOf(parent, place[j]);
+          parent[std::max(a, b)] = std::min(a, b);
+        }
+      }
+      std::uint32_t pieces = 0;
+      for (std::uint32_t k = 0; k < children.size(); ++k)
+      {
+        const std::uint32_t root = rootOf(parent, k);
+        std::uint32_t& coarse = fine.coarse[children[k]];
+        if (root != k)
+          coarse = fine.coarse[children[root]];
+        else if (fine.inverse[children[k]] > 0) // else an island that is whole: nothing is left to correct
+          coarse = pieces++;
+      }
+      next.start[block] = pieces;
+    });
+  startsFromCounts(next.start);
+  if (static_cast<double>(next.start.back()) > worthwhile * static_cast<double>(n))
+  {
+    fine.coarse = {};
+    return false;
+  }
+  forBlocks(next.blocks,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t block)
+    {
+      forChildren(bx, by, bz,
+        [&](std::uint32_t i, const auto&)
+        {
+          if (fine.coarse[i] != PieceLevel::none)
+            fine.coarse[i] += next.start[block];
+        });
+    });
+  place = {};
+  // the axis along which the block of unknown j follows or precedes this one; 3: it is the same
+  const auto axisTo = [&](const std::array<std::int64_t, 3>& block, std::uint32_t j)
+  {
+    const auto holds = [&](const std::array<std::int64_t, 3>& p)
+    {
+      const std::size_t at = blockIndex(size, p);
+      return j >= fine.start[at] && j < fine.start[at + 1];
+    };
+    if (holds(block))
+      return std::size_t{ 3 };
+    for (const std::size_t a : { std::size_t{ 0 }, std::size_t{ 1 } })
+      for (const std::int64_t step : { std::int64_t{ -1 }, std::int64_t{ 1 } })
+      {
+        std::array<std::int64_t, 3> p = block;
+        p[a] += step;
+        if (periodic_[a])
+          p[a] = (p[a] + size[a]) % size[a];
+        if (p[a] >= 0 && p[a] < size[a] && holds(p))
+          return a;
+      }
+    return std::size_t{ 2 };
+  };
+  link(next,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, auto&& f)
+    {
+      forChildren(bx, by, bz,
+        [&](std::uint32_t i, const std::array<std::int64_t, 3>& block)
+        {
+          const std::uint32_t here = fine.coarse[i];
+          if (here == PieceLevel::none)
+            return;
+          if (fine.wall[i] > 0)
+            f(here, PieceLevel::none, fine.wall[i], std::size_t{ 0 });
+          for (std::size_t e = fine.row[i]; e < fine.row[i + 1]; ++e)
+            if (const std::uint32_t j = fine.other[e]; fine.coarse[j] != PieceLevel::none)
+              f(here, fine.coarse[j], fine.link[e], axisTo(block, j));
+        });
+    });
+  levels_.push_back(std::move(next));
+  return true;
+}
+
+void PieceMultigrid::factorize()
+{
+  const PieceLevel& level = levels_.back();
+  if (level.count() > coarsestCount)
+    return;
+  // Where the constant is free, a little more than the sum of links chooses one; never where walls do.
+  const bool walls = std::ranges::any_of(level.wall, [](float w) { return w > 0; });
+  const double more = walls ? 1.0 : 1 + 1e-5;
+  std::vector<Eigen::Triplet<double>> entries;
+  for (std::size_t i = 0; i < level.count(); ++i)
+  {
+    double total = static_cast<double>(level.wall[i]);
+    for (std::size_t e = level.row[i]; e < level.row[i + 1]; ++e)
+      total += static_cast<double>(level.link[e]);
+    entries.emplace_back(i, i, total > 0 ? more * total : 1.0);
+    for (std::size_t e = level.row[i]; e < level.row[i + 1]; ++e)
+      entries.emplace_back(i, level.other[e], -static_cast<double>(level.link[e]));
+  }
+  const auto n = static_cast<Eigen::Index>(level.count());
+  Eigen::SparseMatrix<double> matrix(n, n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  direct_.compute(matrix);
+  factorized_ = direct_.info() == Eigen::Success;
+}
+
+// Block by block, and by the parity of their places: blocks of one parity are never neighbours, but where an odd number
+// of them begins again.
+void PieceMultigrid::relax(PieceLevel& level, bool forward) const
+{
+  bool meet = false;
+  for (std::size_t a = 0; a < 3; ++a)
+    meet = meet || (periodic_[a] && level.blocks[a] % 2 != 0);
+  const int threads = meet || level.count() < threadedCount ? 1 : threads_;
+  const auto& blocks = level.blocks;
+  const auto update = [&](std::uint32_t i)
+  {
+    float s = level.b[i];
+    for (std::size_t e = level.row[i]; e < level.row[i + 1]; ++e)
+      s += level.link[e] * level.x[level.other[e]];
+    level.x[i] = s * level.inverse[i];
+  };
+  for (const int pass : { 0, 1 })
+  {
+    const int colour = forward ? pass : 1 - pass;
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+    for (std::int64_t r = 0; r < blocks[1] * blocks[2]; ++r)
+      for (std::int64_t x = (r % blocks[1] + r / blocks[1] + colour) & 1; x < blocks[0]; x += 2)
+      {
+        const auto block = static_cast<std::size_t>(x + blocks[0] * r);
+        if (forward)
+          for (std::uint32_t i = level.start[block]; i < level.start[block + 1]; ++i)
+            update(i);
+        else
+          for (std::uint32_t i = level.start[block + 1]; i-- > level.start[block];)
+            update(i);
+      }
+  }
+}
+
+template <class F>
+double PieceMultigrid::sum(const PieceLevel& level, F&& f) const
+{
+  // parts do not depend on how many threads there are
+  constexpr std::size_t part = 4096;
+  const auto parts = static_cast<std::int64_t>((level.count() + part - 1) / part);
+  std::vector<double> sums(static_cast<std::size_t>(parts));
+  const int threads = level.count() < threadedCount ? 1 : threads_;
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+  for (std::int64_t p = 0; p < parts; ++p)
+  {
+    double s = 0;
+    const std::size_t begin = static_cast<std::size_t>(p) * part;
+    for (std::size_t i = begin; i < std::min(level.count(), begin + part); ++i)
+      s += f(i);
+    sums[static_cast<std::size_t>(p)] = s;
+  }
+  return std::accumulate(sums.begin(), sums.end(), 0.0);
+}
+
+void PieceMultigrid::cycle(std::size_t index)
+{
+  PieceLevel& level = levels_[index];
+  std::fill(level.x.begin(), level.x.end(), 0.0F);
+  if (index + 1 == levels_.size())
+  {
+    if (factorized_)
+    {
+      const auto n = static_cast<Eigen::Index>(level.count());
+      const Eigen::VectorXd x = direct_.solve(Eigen::Map<const Eigen::VectorXf>(level.b.data(), n).cast<double>());
+      Eigen::Map<Eigen::VectorXf>(level.x.data(), n) = x.cast<float>();
+      return;
+    }
+    for (const bool forward : { true, false })
+      for (int s = 0; s < coarsestSweeps; ++s)
+        relax(level, forward);
+    return;
+  }
+  PieceLevel& next = levels_[index + 1];
+  for (int s = 0; s < pieceSweeps; ++s)
+    relax(level, true);
+  std::fill(next.b.begin(), next.b.end(), 0.0F);
+  for (std::size_t i = 0; i < level.count(); ++i)
+    if (level.coarse[i] != PieceLevel::none)
+      next.b[level.coarse[i]] += level.b[i] - product(level, i);
+  cycleTwice(index + 1);
+  for (std::size_t i = 0; i < level.count(); ++i)
+    if (level.coarse[i] != PieceLevel::none)
+      level.x[i] += next.x[level.coarse[i]];
+  for (int s = 0; s < pieceSweeps; ++s)
+    relax(level, false);
+}
+
+// (A x) of an unknown. Differences first: sums of large values that nearly cancel would be round-off, once pieces that
+// conduct well are linked weakly.
+float PieceMultigrid::product(const PieceLevel& level, std::size_t i)
+{
+  const float x = level.x[i];
+  float s = level.wall[i] * x;
+  for (std::size_t e = level.row[i]; e < level.row[i + 1]; ++e)
+    s += level.link[e] * (x - level.x[level.other[e]]);
+  return s;
+}
+
+// Two steps of flexible conjugate gradients around the cycle.
+void PieceMultigrid::cycleTwice(std::size_t index)
+{
+  PieceLevel& level = levels_[index];
+  cycle(index);
+  if (index + 1 == levels_.size())
+    return;
+  auto& [before, first, ofX] = level.work;
+  const auto dot = [&](const std::vector<float>& a, const std::vector<float>& c)
+  {
+    return sum(
+      level, [&](std::size_t i) { return static_cast<double>(a[i]) * static_cast<double>(c[i]); });
+  };
+  const auto multiply = [&]
+  {
+    for (std::size_t i = 0; i < level.count(); ++i)
+      ofX[i] = product(level, i);
+  };
+  multiply();
+  const double xq = dot(level.x, ofX);
+  const double xb = dot(level.x, level.b);
+  if (!(xq > 0))
+    return;
+  const double alpha = xb / xq;
+  first = level.x;
+  before = level.b;
+  for (std::size_t i = 0; i < level.count(); ++i)
+    level.b[i] -= static_cast<float>(alpha) * ofX[i];
+  if (dot(level.b, level.b) <= 0.0625 * dot(before, before)) // good enough at once
+  {
+    for (std::size_t i = 0; i < level.count(); ++i)
+      level.x[i] *= static_cast<float>(alpha);
+    level.b = before;
+    return;
+  }
+  cycle(index);
+  const double zq = dot(level.x, ofX);
+  const double zb = dot(level.x, level.b);
+  multiply();
+  const double beta = zq / xq;
+  const double energy = dot(level.x, ofX) - beta * zq;
+  const double gamma = energy > 0 ? zb / energy : 0;
+  const auto ofFirst = static_cast<float>(alpha - gamma * beta);
+  for (std::size_t i = 0; i < level.count(); ++i)
+    level.x[i] = ofFirst * first[i] + static_cast<float>(gamma) * level.x[i];
+  level.b = before;
+}
+
+void PieceMultigrid::correct(LeanField& field)
+{
+  PieceLevel& level = levels_.front();
+  const std::array<std::int64_t, 3> size = field.size();
+  const auto& blocks = level.blocks;
+  const auto forRows = [&](std::int64_t by, std::int64_t bz, auto&& f)
+  {
+    for (const std::int64_t z : { 2 * bz, 2 * bz + 1 })
+      for (const std::int64_t y : { 2 * by, 2 * by + 1 })
+        if (y < size[1] && z < size[2])
+          f(y, z, static_cast<unsigned>(2 * (y & 1) + 4 * (z & 1)));
+  };
+  forBlockRows(blocks,
+    [&](std::int64_t by, std::int64_t bz)
+    {
+      thread_local std::vector<float> row;
+      const auto at = static_cast<std::size_t>(blocks[0] * (by + blocks[1] * bz));
+      std::fill(level.b.begin() + level.start[at],
+        level.b.begin() + level.start[at + static_cast<std::size_t>(blocks[0])], 0.0F);
+      forRows(by, bz,
+        [&](std::int64_t y, std::int64_t z, unsigned node)
+        {
+          const int part = static_cast<int>((y + z) & 1); // the other colour was relaxed last
+          row.assign(static_cast<std::size_t>(blocks[0]), 0.0F);
+          field.addResidual(y, z, part, row.data());
+          for (std::size_t x = 0; x < row.size(); ++x)
+          {
+            const std::uint32_t piece = (labels_[at + x] >> (4 * (node + static_cast<unsigned>(part)))) & apart;
+            if (piece != apart)
+              level.b[level.start[at + x] + piece] += row[x];
+          }
+        });
+    });
+  if (levels_.size() > 1)
+    cycleTwice(0);
+  else
+    cycle(0);
+  forBlockRows(blocks,
+    [&](std::int64_t by, std::int64_t bz)
+    {
+      const auto at = static_cast<std::size_t>(blocks[0] * (by + blocks[1] * bz));
+      forRows(by, bz,
+        [&](std::int64_t y, std::int64_t z, unsigned node)
+        {
+          for (const unsigned part : { 0U, 1U })
+          {
+            float* v = field.halfRow(y, z, static_cast<int>(part));
+            const auto n = static_cast<std::size_t>((size[0] + 1 - part) / 2);
+            for (std::size_t x = 0; x < n; ++x)
+            {
+              const std::uint32_t piece = (labels_[at + x] >> (4 * (node + part))) & apart;
+              if (piece != apart)
+                v[x] += level.x[level.start[at + x] + piece];
+            }
+          }
+        });
+    });
+  field.exchange();
+}
+
+} // namespace lamella::lbm

@@ -1,0 +1,86 @@
+#pragma once
+
+#include "lbm/lean/LeanField.h"
+
+#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace lamella::lbm
+{
+
+/// One level of pieces: unknowns block by block, and the links between them.
+struct PieceLevel
+{
+  static constexpr std::uint32_t none = ~std::uint32_t{ 0 };
+
+  std::array<std::int64_t, 3> blocks{ 1, 1, 1 };
+  std::vector<std::uint32_t> start; ///< the first unknown of each block, and their number
+  std::vector<std::size_t> row;     ///< an unknown's first link, and their number
+  std::vector<std::uint32_t> other;
+  std::vector<float> link;
+  std::vector<float> wall;           ///< links to fixed faces
+  std::vector<float> inverse;        ///< 1 / Σ links and walls; 0 where there are none
+  std::vector<std::uint32_t> coarse; ///< the unknown of the next level that this one is part of, or none
+  std::vector<float> x;              ///< correction
+  std::vector<float> b;              ///< right-hand side
+  std::array<std::vector<float>, 3> work;
+
+  [[nodiscard]] std::size_t count() const noexcept { return inverse.size(); }
+  [[nodiscard]] std::size_t bytes() const noexcept;
+};
+
+/// Coarse levels for a lean field whose phases insulate in thin walls, or do not conduct at all: where a block of
+/// 2 × 2 × 2 nodes would join what is apart, each piece of it is an unknown of its own. A piece is what strong links
+/// join inside the block: on the finest level links between phases that conduct alike, further down links that are a
+/// part of the strongest one at both their ends, a part that is halved from level to level. Links between pieces follow
+/// the rule of blocks (Multigrid). Each level is entered twice, with two steps of conjugate gradients (K-cycle: Notay &
+/// Vassilevski, Numer. Linear Algebra Appl. 15 (2008) 473).
+///
+/// One rank. Every number of threads gives the same.
+///
+/// Memory: 80 to 100 bytes a piece, 1 byte a node of the finest level.
+class PieceMultigrid
+{
+public:
+  PieceMultigrid(const LeanField& field, int threads);
+
+  /// One cycle for the field's residual, added to the field. After forward sweeps.
+  void correct(LeanField& field);
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+private:
+  void label(const LeanField& field);
+  template <class Gather>
+  void link(PieceLevel& level, const Gather& gather) const;
+  void linkFirst(const LeanField& field);
+  [[nodiscard]] bool coarsen(double strong);
+  void factorize();
+  void cycle(std::size_t index);
+  void cycleTwice(std::size_t index);
+  void relax(PieceLevel& level, bool forward) const;
+  [[nodiscard]] static float product(const PieceLevel& level, std::size_t i);
+  /// Sum of f(unknown), in an order that no number of threads changes.
+  template <class F>
+  [[nodiscard]] double sum(const PieceLevel& level, F&& f) const;
+  /// Block rows in parallel.
+  template <class F>
+  void forBlockRows(const std::array<std::int64_t, 3>& blocks, F&& f) const;
+  /// f(bx, by, bz, place in the order of blocks)
+  template <class F>
+  void forBlocks(const std::array<std::int64_t, 3>& blocks, F&& f) const;
+
+  std::array<bool, 3> periodic_;
+  int axis_;
+  int threads_;
+  bool everyLink_ = false;            ///< only phases that do not conduct keep pieces apart
+  std::vector<std::uint32_t> labels_; ///< of each block's eight nodes, four bits each; 15: it does not conduct
+  std::vector<PieceLevel> levels_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> direct_;
+  bool factorized_ = false;
+};
+
+} // namespace lamella::lbm
