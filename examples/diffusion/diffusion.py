@@ -82,7 +82,8 @@ def draw(flux, title, path):
     # centre two segments meet, and all lines bend where they cross a row of nodes.
     lines.RenderLinesAsTubes = 1
     lines.Ambient, lines.Diffuse, lines.Specular = 1, 0, 0
-    lines.Position = [0, 0, scale]  # towards the camera: in the map's own plane they would be drawn in part only
+    # towards the camera: in the map's own plane they would be drawn in part only; ParaView 5.13 has a new name for it
+    lines.SetPropertyWithName("Translation" if "Translation" in lines.ListProperties() else "Position", [0, 0, scale])
     SaveScreenshot(path, view)  # noqa: F405
     Delete(view)  # noqa: F405
 

@@ -4,6 +4,7 @@
 #include "cracks/CrackPaths.h"
 #include "peridynamics/Stencil.h"
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
