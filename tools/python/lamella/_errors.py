@@ -88,7 +88,8 @@ def choose(table, value, what):
         return table[value.lower() if isinstance(value, str) else value]
     except (KeyError, TypeError):
         known = ", ".join(repr(key) for key in table)
-        raise ValueError(f"{what} is {value!r}; it can be {known}") from None
+        named = str(value) if isinstance(value, str) else value  # NumPy 2 would say np.str_('…')
+        raise ValueError(f"{what} is {named!r}; it can be {known}") from None
 
 
 def entries(table, what, form):
