@@ -15,6 +15,41 @@ namespace lamella::lbm
 namespace
 {
 
+Method leanest(const StudySize& size)
+{
+  return leanest(size.lattice, size.stencil, size.conducting == size.lattice.count(), size.ranks);
+}
+
+// In doubles, for a refinement typed wrongly can have more nodes than 64 bits count. Beside the solver's arrays: the
+// refined picture on every rank, a copy of the part of a rank that has not all, and on rank 0 value and flux as they
+// are written.
+double bytesAt(const StudySize& size, int refinement)
+{
+  const Lattice& lattice = size.lattice;
+  const auto count = static_cast<double>(lattice.count());
+  const auto solver = static_cast<double>(estimateBytes(lattice, size.stencil, leanest(size), size.conducting));
+  const double scale = std::pow(static_cast<double>(refinement), lattice.dimension);
+  return scale *
+    (solver * size.ranksOnMachine / size.ranks + count * (size.ranksOnMachine + (size.ranks > 1 ? 1 : 0)) +
+      (size.fields ? count * (8 + 24 + 2) : 0));
+}
+
+// Processor time for a node, set-up and solve to 1e-6, on the machine of docs/benchmarks/volumes.md.
+double secondsANode(Method method)
+{
+  switch (method)
+  {
+    case Method::LeanMultigrid:
+      return 1.4e-7;
+    case Method::PieceMultigrid:
+      return 5e-7;
+    case Method::Multigrid:
+      return 4.5e-7;
+    default:
+      return 7.5e-6;
+  }
+}
+
 std::string percent(double share)
 {
   return std::isfinite(share) ? fmt::format("{:.2g} %", 100 * share) : "unknown";
@@ -26,19 +61,7 @@ void requireMemory(const StudySize& size)
 {
   const Lattice& lattice = size.lattice;
   const int refinement = size.refinement;
-  const Method method = leanest(lattice, size.stencil, size.conducting == lattice.count(), size.ranks);
-  const auto count = static_cast<double>(lattice.count());
-  const auto solver = static_cast<double>(estimateBytes(lattice, size.stencil, method, size.conducting));
-  // In doubles, for a refinement typed wrongly can have more nodes than 64 bits count. Beside the solver's arrays: the
-  // refined picture on every rank, a copy of the part of a rank that has not all, and on rank 0 value and flux as they
-  // are written.
-  const auto bytes = [&](int n)
-  {
-    const double scale = std::pow(static_cast<double>(n), lattice.dimension);
-    return scale *
-      (solver * size.ranksOnMachine / size.ranks + count * (size.ranksOnMachine + (size.ranks > 1 ? 1 : 0)) +
-        (size.fields ? count * (8 + 24 + 2) : 0));
-  };
+  const auto bytes = [&](int n) { return bytesAt(size, n); };
   const auto available = static_cast<double>(availableMemory());
   if (bytes(refinement) <= available)
     return;
@@ -53,6 +76,21 @@ void requireMemory(const StudySize& size)
                       bytesText(bytes(refinement)), bytesText(available)),
     fmt::format("{}take a smaller window, or share the work between machines with mpirun",
       fits > 0 ? fmt::format("refinement {} fits; or ", fits) : ""));
+}
+
+std::string plan(const StudySize& size, int solves, int threads)
+{
+  constexpr double many = 3e7;
+  const double nodes =
+    static_cast<double>(size.lattice.count()) * std::pow(static_cast<double>(size.refinement), size.lattice.dimension);
+  if (nodes < many)
+    return {};
+  const Method method = leanest(size);
+  const double seconds = nodes * secondsANode(method) / (size.ranks * std::max(1, threads));
+  return fmt::format("{:.4g} million nodes: about {} of memory, and something like {}{}", nodes / 1e6,
+    bytesText(bytesAt(size, size.refinement)),
+    seconds < 100 ? fmt::format("{:.2g} s", seconds) : fmt::format("{:.2g} min", seconds / 60),
+    solves > 1 ? " for each direction" : "");
 }
 
 void requirePaths(SteadyDiffusion& solver, std::span<const int> axes, int dimension)

@@ -26,6 +26,10 @@ struct StudySize
 /// @throws MemoryError
 void requireMemory(const StudySize& size);
 
+/// Memory and time of a study of many nodes, for people, before it begins; empty for a smaller one. With the method
+/// that needs the least memory, as benchmarks/LeanDiffusion.cpp measured it.
+[[nodiscard]] std::string plan(const StudySize& size, int solves, int threads);
+
 /// Refuses directions without a conducting path, before any is solved; the hint names those that have one. Collective.
 /// @throws NoPathError
 void requirePaths(SteadyDiffusion& solver, std::span<const int> axes, int dimension);

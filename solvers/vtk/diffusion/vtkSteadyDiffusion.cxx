@@ -382,6 +382,8 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   size.ranks = comm.size();
   size.ranksOnMachine = comm.sizeOnMachine();
   team.agree([&] { lbm::requireMemory(size); });
+  if (std::string words = lbm::plan(size, static_cast<int>(internal.Axes.size()), options.threads); !words.empty())
+    this->InvokeEvent(PLAN_EVENT, words.data());
 }
 
 void vtkSteadyDiffusion::SolveInBlocks(

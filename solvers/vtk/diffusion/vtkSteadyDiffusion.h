@@ -197,7 +197,8 @@ public:
 
   enum Events
   {
-    /// What a target error will take is known, and about to be begun: the call data are the words, a const char*.
+    /// What a target error, or an image of many nodes, will take is known, and about to be begun: the call data are the
+    /// words, a const char*.
     PLAN_EVENT = 1101
   };
 
