@@ -6,7 +6,7 @@ namespace lamella::lbm
 {
 
 Links::Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> boundary,
-  std::span<const double> diffusivity, const LinkTable* table)
+  std::span<const double> diffusivity, const LinkTable* table, const PairTable* pairs)
   : dimension_(lattice.dimension)
   , size_(lattice.size)
   , boundary_(boundary)
@@ -47,7 +47,8 @@ Links::Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> bo
   table_.resize(phases_ * phases_);
   for (std::size_t a = 0; a < phases_; ++a)
     for (std::size_t b = 0; b < phases_; ++b)
-      table_[a * phases_ + b] = harmonicMean(diffusivity_[a], diffusivity_[b]);
+      table_[a * phases_ + b] =
+        pairs != nullptr ? pairs->link[a * phases_ + b] / scale_ : harmonicMean(diffusivity_[a], diffusivity_[b]);
 }
 
 } // namespace lamella::lbm

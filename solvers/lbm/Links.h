@@ -43,8 +43,9 @@ class Links
 {
 public:
   /// @param table conductivities instead of the harmonic means (D2Q5; D2Q9 with diagonals), or null; it is copied
+  /// @param pairs the same by the ids at both ends, or null
   Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> boundary, std::span<const double> diffusivity,
-    const LinkTable* table = nullptr);
+    const LinkTable* table = nullptr, const PairTable* pairs = nullptr);
 
   /// Half of the directions: each link once.
   [[nodiscard]] const std::vector<Direction>& forward() const noexcept { return forward_; }
@@ -93,7 +94,7 @@ public:
     return given_.x.empty() || given(d, y)[x] > 0.0;
   }
 
-  /// Harmonic mean of the diffusivities of two phase ids, scaled by scale().
+  /// Harmonic mean of the diffusivities of two phase ids, or what the table of pairs says, scaled by scale().
   [[nodiscard]] double mean(std::uint8_t a, std::uint8_t b) const noexcept
   {
     return table_[static_cast<std::size_t>(a) * phases_ + b];

@@ -201,6 +201,26 @@ std::unique_ptr<Backend> makeBackend(Method method, const Problem& problem)
   return method == Method::Multigrid ? makeMultigridSystem(problem) : makeCompactSystem(problem);
 }
 
+void requirePairs(const SteadyOptions& options, std::span<const double> diffusivity)
+{
+  const PairTable& pairs = *options.pairs;
+  if (options.stencil != Stencil::D2Q5 && options.stencil != Stencil::D3Q7)
+    throw ParameterError(
+      fmt::format("conductivities of links by pairs of phases were given for {}", name(options.stencil)),
+      "they go with straight links: d2q5, d3q7");
+  bool good = pairs.ids == diffusivity.size() && pairs.link.size() == pairs.ids * pairs.ids;
+  for (std::size_t a = 0; good && a < pairs.ids; ++a)
+    for (std::size_t b = 0; b <= a; ++b)
+    {
+      const double g = pairs.link[a * pairs.ids + b];
+      good =
+        good && std::isfinite(g) && g >= 0 && g == pairs.link[b * pairs.ids + a] && (a != b || g == diffusivity[a]);
+    }
+  if (!good)
+    throw ParameterError("the table of links by pairs of phases does not fit the diffusivities",
+      "give a symmetric table of finite values of at least 0, with the diffusivities on its diagonal");
+}
+
 void requireLinks(const Lattice& lattice, const SteadyOptions& options)
 {
   const LinkTable& table = *options.links;
@@ -283,6 +303,8 @@ SteadyDiffusion::SteadyDiffusion(const Lattice& lattice, const Block& block, std
   }
   m.conducting = m.comm.sum(m.conducting);
   m.allConduct = m.conducting == lattice.count();
+  if (options.pairs)
+    requirePairs(options, diffusivity);
   if (options.links)
   {
     requireLinks(lattice, options);

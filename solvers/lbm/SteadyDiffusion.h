@@ -18,6 +18,14 @@ namespace lamella::lbm
 
 struct LinkTable;
 
+/// What a link conducts, by the ids at its two ends: link[a * ids + b], symmetric, finite, ≥ 0, in the unit of the
+/// diffusivities. A node's own, link[a * ids + a], is what it conducts to a wall, and its diffusivity.
+struct PairTable
+{
+  std::size_t ids = 0;
+  std::vector<double> link;
+};
+
 enum class Stencil
 {
   D2Q5,
@@ -63,6 +71,8 @@ struct SteadyOptions
   int maxIterations = 500;
   int threads = 1;
   Progress progress;
+  /// Conductivities of links by the phase ids at both ends instead of harmonic means; straight links only. Or none.
+  std::shared_ptr<const PairTable> pairs;
   /// Conductivities of the links one by one instead of harmonic means of the phases': D2Q5, or with diagonals D2Q9
   /// (linksOf(), directedLinks()).
   std::shared_ptr<const LinkTable> links;

@@ -6,7 +6,7 @@ Lines must be the same, but for
 - `…`: on a line of its own it stands for any lines, elsewhere for any words;
 - what no two runs have in common: times, memory, rates, versions, dates, and the folder the test runs in;
 - numbers: they agree to the digits that the page shows, to one unit of the last of them; whole numbers exactly, but for
-  one whose last digits happened to be zeros (136710 beside 136710.1), and
+  one above 1e5 whose last digits happened to be zeros (136710 beside 136710.1), and
   counts of iterations and steps, which may differ by one in ten. Below 1e-5 numbers are what round-off leaves of 0 or what a
   tolerance leaves of a residual, and only have to be below that. `within` says how far apart they may be instead.
 """
@@ -66,7 +66,8 @@ def same_number(shown, found, share, count):
         return abs(a - b) <= share * max(abs(a), abs(b)) + last_place(shown)
     if count:
         return abs(a - b) <= max(1, 0.1 * abs(a))
-    return abs(a - b) <= 1.000001 * (last_place(shown) or last_place(found))
+    place = last_place(shown) or (last_place(found) if abs(a) > 1e5 else 0)
+    return abs(a - b) <= 1.000001 * place
 
 
 def same_line(shown, found, share=None):

@@ -45,15 +45,26 @@ std::vector<std::uint8_t> idsOf(const Problem& problem)
   return ids;
 }
 
-PhaseLinks tableOf(const Links& links, std::span<const std::uint8_t> ids)
+// Of more than two phases: a row of 256 for each.
+std::vector<double> pairsOf(const Links& links, std::span<const std::uint8_t> ids)
+{
+  std::vector<double> pairs;
+  if (ids.size() <= 2)
+    return pairs;
+  pairs.assign((std::size_t{ ids.back() } + 1) * 256, 0.0);
+  for (const std::uint8_t a : ids)
+    for (const std::uint8_t b : ids)
+      pairs[std::size_t{ a } * 256 + b] = links.mean(a, b);
+  return pairs;
+}
+
+PhaseLinks tableOf(const Links& links, std::span<const std::uint8_t> ids, const std::vector<double>& pairs,
+  const std::vector<float>& single)
 {
   PhaseLinks table;
-  for (const std::uint8_t id : ids)
-  {
-    table.half[id] = 0.5 / links.diffusivity(id);
-    table.halfSingle[id] = static_cast<float>(table.half[id]);
-  }
   table.two = ids.size() <= 2;
+  table.table = pairs.data();
+  table.single = single.data();
   if (table.two)
   {
     table.second = ids.back();
@@ -73,7 +84,9 @@ LeanField::LeanField(const Problem& problem)
   , level_(emptyLevel(problem))
   , phases_(block_, level_.halo, problem.phase, problem.lattice.dimension)
   , ids_(idsOf(problem))
-  , table_(tableOf(links_, ids_))
+  , pairs_(pairsOf(links_, ids_))
+  , pairsSingle_(pairs_.begin(), pairs_.end())
+  , table_(tableOf(links_, ids_, pairs_, pairsSingle_))
   , v_(level_.grid.floats(), 0.0F)
   , nothing_(static_cast<std::size_t>(level_.grid.stride), 0.0F)
 {
@@ -85,7 +98,7 @@ LeanField::LeanField(const Problem& problem)
 
 std::size_t LeanField::bytes() const noexcept
 {
-  return v_.size() * sizeof(float) + phases_.bytes();
+  return v_.size() * sizeof(float) + phases_.bytes() + pairs_.size() * (sizeof(double) + sizeof(float));
 }
 
 std::int64_t LeanField::along(std::int64_t y, std::int64_t z) const noexcept

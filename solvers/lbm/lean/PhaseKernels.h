@@ -7,15 +7,15 @@
 namespace lamella::lbm
 {
 
-/// Link conductances by the phases at both ends: harmonic means over the largest diffusivity.
+/// Link conductances by the phases at both ends, over the largest diffusivity.
 struct PhaseLinks
 {
   bool two = false;             ///< only two phase ids occur: the values below
   std::uint8_t second = 0;      ///< the id of the second of them
   double both[3] = { 1, 1, 1 }; ///< first with first, first with second, second with second
-  /// Any ids: a link is 1 / (half[a] + half[b]).
-  double half[256] = {};
-  float halfSingle[256] = {};
+  /// Any ids: a link is table[256 a + b].
+  const double* table = nullptr;
+  const float* single = nullptr;
 };
 
 /// A node or wall beside a half-row, or nothing: weight 0. A wall: the row's own phases, values of 0, weight 2.

@@ -62,26 +62,26 @@ struct Select
   Real link(Bits own, Bits change, int id) const { return __builtin_bit_cast(Real, own ^ (mask(id, second) & change)); }
 };
 
-inline const float* halfOf(const PhaseLinks& l, float)
+inline const float* tableOf(const PhaseLinks& l, float)
 {
-  return l.halfSingle;
+  return l.single;
 }
-inline const double* halfOf(const PhaseLinks& l, double)
+inline const double* tableOf(const PhaseLinks& l, double)
 {
-  return l.half;
+  return l.table;
 }
 
 template <class Real>
 struct Lookup
 {
-  const Real* half;
+  const Real* table;
   explicit Lookup(const PhaseLinks& l)
-    : half(halfOf(l, Real{}))
+    : table(tableOf(l, Real{}))
   {
   }
-  Real own(int id) const { return half[id]; }
+  int own(int id) const { return 256 * id; }
   int change(int) const { return 0; }
-  Real link(Real own, int, int id) const { return Real{ 1 } / (own + half[id]); }
+  Real link(int own, int, int id) const { return table[own + id]; }
 };
 
 template <class Table>

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "lbm/SteadyDiffusion.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace lamella::lbm
+{
+
+/// How a link conducts that a surface crosses.
+enum class AcrossSurface
+{
+  Series,  ///< both phases one after the other, along the link: where flux meets the surface head-on
+  Parallel ///< side by side, across it: where flux runs along the surface
+};
+
+/// Where the phase that conducts better leads from face to face, flux runs in it along surfaces: Parallel; else it has
+/// to cross the other one and meets surfaces head-on: Series.
+[[nodiscard]] AcrossSurface ruleFor(bool betterPercolates) noexcept;
+
+/// Links of a picture of two phases whose nodes tell how much of them is in the second one: `share` by id, in 0 … 1.
+///
+/// In series, the part of a link in the second phase is s = a + b − ½ within 0 and 1, which is exact for a flat surface
+/// across the link: the conductance is 1 / (s / k₁ + (1 − s) / k₀). In parallel it is s = (a + b) / 2, the share of the
+/// box around the link, and the conductance s k₁ + (1 − s) k₀.
+///
+/// @throws ParameterError shares outside 0 … 1, conductivities that are not finite or below 0
+[[nodiscard]] PairTable shareLinks(std::span<const double> share, double first, double second, AcrossSurface rule);
+
+} // namespace lamella::lbm
