@@ -1,7 +1,12 @@
-// How near plain voxels come to the material, and voxels that know their share of a phase: simple cubic array of
-// spheres, by contrast, fraction and nodes across; and 2 × fine − coarse of the last two.
+// study=spheres, bars; all unless told.
+//
+// spheres: how near plain voxels come to the material, and voxels that know their share of a phase: simple cubic array
+// of spheres, by contrast, fraction and nodes across; and 2 × fine − coarse of the last two. bars: how often the error
+// bar of studyShares() holds the material's value, on balls at random, cylinders and layers at random angles, drawn
+// with 24 to 48 nodes across (count= of them; the value: extrapolated from 64 and 128 nodes).
 //   fraction=0.1,0.3,0.4  contrast=1000,10,0.1,0.001 (sphere over matrix)  size=16,32,64
 #include "Keys.h"
+#include "Shapes.h"
 #include "Table.h"
 
 #include "../tests/SphereShares.h"
@@ -9,6 +14,7 @@
 #include "lbm/Shares.h"
 #include "lbm/SteadyDiffusion.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -60,7 +66,7 @@ double value(std::int64_t n, const std::vector<double>& share, double contrast, 
   return solver.solve(0).effective[0];
 }
 
-void run(const Keys& keys)
+void spheres(const Keys& keys)
 {
   const std::vector<double> sizes =
     list(keys, "size", 0).front() > 0 ? list(keys, "size", 0) : std::vector{ 16.0, 32.0, 64.0 };
@@ -97,6 +103,127 @@ void run(const Keys& keys)
         std::fflush(stdout);
       }
     }
+}
+
+/// The part of each voxel inside a shape: of those whose corners or middle differ, by samples.
+std::vector<double> shares(std::int64_t n, const Shape& inside)
+{
+  constexpr int samples = 8;
+  std::vector<double> share;
+  const double h = 1.0 / static_cast<double>(n);
+  for (std::int64_t z = 0; z < n; ++z)
+    for (std::int64_t y = 0; y < n; ++y)
+      for (std::int64_t x = 0; x < n; ++x)
+      {
+        const auto count = [&](int each, bool ends)
+        {
+          int in = 0;
+          const auto at = [&](std::int64_t i, int k)
+          { return h * (static_cast<double>(i) + (ends ? k / static_cast<double>(each - 1) : (k + 0.5) / each)); };
+          for (int c = 0; c < each; ++c)
+            for (int b = 0; b < each; ++b)
+              for (int a = 0; a < each; ++a)
+                in += inside({ at(x, a), at(y, b), at(z, c) }) ? 1 : 0;
+          return in;
+        };
+        const int corners = count(3, true);
+        share.push_back(corners == 0 ? 0.0
+            : corners == 27          ? 1.0
+                                     : count(samples, false) / double{ samples * samples * samples });
+      }
+  return share;
+}
+
+Shape randomShape(Random& random, int kind)
+{
+  const auto direction = [&]
+  {
+    Spot d{ uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1) };
+    const double length = std::hypot(d.x, d.y, d.z);
+    return Spot{ d.x / length, d.y / length, d.z / length };
+  };
+  const Spot d = direction();
+  const Spot c{ uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1) };
+  if (kind == 0)
+  {
+    std::vector<Spot> centres;
+    const int count = static_cast<int>(2 + random() % 8);
+    for (int i = 0; i < count; ++i)
+      centres.push_back({ uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1) });
+    return balls(centres, {}, uniform(random, 0.3, 0.5) / std::cbrt(count));
+  }
+  if (kind == 1) // one cylinder through the box
+    return [=, radius = uniform(random, 0.12, 0.3)](Spot p)
+    {
+      const Spot q{ p.x - 0.3 - 0.4 * c.x, p.y - 0.3 - 0.4 * c.y, p.z - 0.3 - 0.4 * c.z };
+      const double along = q.x * d.x + q.y * d.y + q.z * d.z;
+      return q.x * q.x + q.y * q.y + q.z * q.z - along * along < radius * radius;
+    };
+  return [=, period = uniform(random, 0.3, 0.6), part = uniform(random, 0.3, 0.7)](Spot p)
+  {
+    const double s = (p.x * d.x + p.y * d.y + p.z * d.z) / period + c.x;
+    return s - std::floor(s) < part;
+  };
+}
+
+void bars(const Keys& keys)
+{
+  constexpr std::size_t levels = 255;
+  const int count = static_cast<int>(number(keys, "count", 90));
+  Random random(static_cast<std::uint64_t>(number(keys, "seed", 1)));
+  Table table(keys, "surface-shares", "bars", "kind,nodes,contrast,value,bar,extrapolated,truth,error,held");
+  std::vector<double> even;
+  for (std::size_t i = 0; i < levels; ++i)
+    even.push_back(static_cast<double>(i) / (levels - 1));
+  int held = 0;
+  std::vector<double> ratios;
+  std::vector<double> errors;
+  std::vector<double> better;
+  for (int i = 0; i < count; ++i)
+  {
+    const int kind = i % 3;
+    const Shape shape = randomShape(random, kind);
+    const double contrast = pick(random, { 1000.0, 30.0, 3.0, 0.3, 0.03, 0.001 });
+    const auto n = static_cast<std::int64_t>(24 + random() % 25);
+    lbm::StudyOptions study;
+    study.axes = { 0 };
+    study.steady.stencil = lbm::Stencil::D3Q7;
+    study.steady.tolerance = 1e-7;
+    const auto answer = [&](std::int64_t across, bool estimate)
+    {
+      PhaseImage image;
+      image.lattice = makeLattice(across, across, across, 3, 1.0 / static_cast<double>(across));
+      for (const double s : shares(across, shape))
+        image.phase.push_back(static_cast<std::uint8_t>(std::lround(s * (levels - 1))));
+      study.estimateError = estimate;
+      return lbm::studyShares(image, even, 1, contrast, study, MPI_COMM_SELF).front();
+    };
+    const auto found = answer(n, true);
+    const double value = found.result.effective[0];
+    const double truth = 2 * answer(128, false).result.effective[0] - answer(64, false).result.effective[0];
+    const double error = std::abs(value / truth - 1);
+    const bool holds = error <= found.error.relative;
+    held += holds ? 1 : 0;
+    ratios.push_back(found.error.relative / error);
+    errors.push_back(error);
+    better.push_back(std::abs(found.error.extrapolated / truth - 1));
+    table.line(kind, n, contrast, value, found.error.relative, found.error.extrapolated, truth, error, holds ? 1 : 0);
+    if (!holds)
+      fmt::print("  kind {} of {} nodes, contrast {:g}: {:.5f}, bar {:.2f} %, truth {:.5f}, error {:.2f} %\n", kind, n,
+        contrast, value, 100 * found.error.relative, truth, 100 * error);
+  }
+  const auto median = [](std::vector<double> v)
+  {
+    std::ranges::sort(v);
+    return v[v.size() / 2];
+  };
+  fmt::print("held {} of {}; bar over error {:.2g}, error {:.2g} %, of the extrapolated value {:.2g} % (medians)\n",
+    held, count, median(ratios), 100 * median(errors), 100 * median(better));
+}
+
+void run(const Keys& keys)
+{
+  runStudies(keys, { { "spheres", [&] { spheres(keys); } }, { "bars", [&] { bars(keys); } } });
 }
 
 } // namespace

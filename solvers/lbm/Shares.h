@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lbm/DiffusionStudy.h"
 #include "lbm/SteadyDiffusion.h"
 
 #include <array>
@@ -25,9 +26,23 @@ enum class AcrossSurface
 ///
 /// In series, the part of a link in the second phase is s = a + b − ½ within 0 and 1, which is exact for a flat surface
 /// across the link: the conductance is 1 / (s / k₁ + (1 − s) / k₀). In parallel it is s = (a + b) / 2, the share of the
-/// box around the link, and the conductance s k₁ + (1 − s) k₀.
+/// box around the link, and the conductance s k₁ + (1 − s) k₀. A node that does not conduct itself has no links.
 ///
 /// @throws ParameterError shares outside 0 … 1, conductivities that are not finite or below 0
 [[nodiscard]] PairTable shareLinks(std::span<const double> share, double first, double second, AcrossSurface rule);
+
+/// The whole job for a picture whose ids tell shares: solves along options.axes with the rule that suits each, and with
+/// options.estimateError those of twice the spacing, whose nodes hold the mean shares of 2 × 2 (× 2); where a side is
+/// odd, of all but its last nodes.
+///
+/// The errors of such values fall nearly like the spacing and in one direction. So error.extrapolated is 2 × fine −
+/// coarse, and error.relative 1.5 |fine − coarse|, or a third of the change before that one where it is more; of
+/// lattice and picture together, told as the lattice's. How often it holds: docs/benchmarks/volumes.md.
+///
+/// @param image  the whole picture, the same on every rank  @param share by id
+/// @param options refinement, targetError, directed and steady.links are not used
+/// @throws what shareLinks() and SteadyDiffusion throw
+[[nodiscard]] std::vector<DiffusionAnswer> studyShares(const PhaseImage& image, std::span<const double> share,
+  double first, double second, const StudyOptions& options, MPI_Comm comm, const FieldSink& sink = {});
 
 } // namespace lamella::lbm

@@ -47,6 +47,32 @@ class Answers(Case):
         self.assertEqual((both["relative"], both["formation_factor"]), ({"y": None}, {"y": None}))
         self.assertAlmostEqual(both["tortuosity_factor"]["y"], both["bounds"]["parallel"] / both["bounds"]["series"], delta=1e-7)
 
+    def test_greys_as_shares_of_two_phases(self):
+        # A layer from 3.25 to 9.5 of 16 voxels along x, in 12 bits of a grey scale from 40 to 240.
+        row = [40 + 200 * max(0, min(9.5, x + 1) - max(3.25, x)) for x in range(16)]
+        self.write("layer_16x8x8_u8.raw", bytes(round(g) for g in row) * 64)
+        words = ["layer_16x8x8_u8.raw", "--shares", "40,240", "--conductivity", "low=1,high=20"]
+        part = 6.25 / 16
+        answer = self.solve(*words, "--direction", "all", "--no-error-estimate")
+        self.assertAlmostEqual(answer["effective"]["x"] * (part / 20 + 1 - part), 1, delta=1e-2)  # the layer leads past it: in parallel
+        self.assertAlmostEqual(answer["effective"]["y"], 20 * part + 1 - part, delta=1e-5)
+        self.assertEqual([phase["name"] for phase in answer["phases"]], ["low", "high"])
+        self.assertAlmostEqual(answer["phases"][1]["fraction"], part, delta=1e-9)
+        self.assertAlmostEqual(answer["bounds"]["parallel"], 20 * part + 1 - part, delta=1e-9)
+        # a bar, and what is expected, from voxels of twice the size
+        answer = self.solve(*words, "--direction", "y")
+        self.assertLess(answer["estimated_error"], 1e-3)
+        self.assertEqual(answer["estimated_error"], answer["lattice_error"])
+        for wrong, text in [
+            ([*words[:3], "--conductivity", "low=1,matrix=2"], "a conductivity of 'matrix' where greys are shares"),
+            ([*words[:3], "--conductivity", "low=1"], "no conductivity of 'high'"),
+            ([*words[:2], "250,255", *words[3:]], "no node lies between greys of 250 and 255: all is low"),
+            ([*words, "--refine", "2"], "greys as shares of two phases, with pixels that are split"),
+        ]:
+            refused = self.run_lamella("diffusion", *wrong)
+            self.assertIn(refused.code, (2, 3))
+            self.assertIn(text, refused.err)
+
     def test_every_documented_key_is_there(self):
         self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
         answer = self.solve("t.png", *CONDUCTIVITIES, "--threads", "2")

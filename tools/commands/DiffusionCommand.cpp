@@ -52,9 +52,11 @@ void requireVti(const std::string& output)
 }
 
 /// What is given of the phases goes to the filter; the image gets the directions that it may want.
-void giveConductivities(const DiffusionOptions& options, const Sample& sample, vtkImageData* image)
+void giveConductivities(const DiffusionOptions& options, bool shares, const Sample& sample, vtkImageData* image)
 {
   const auto given = parseConductivities(options.conductivity);
+  if (shares)
+    return; // of greys: the filter knows the two names
   requireNames("--conductivity", given, sample.image.phases.names());
   if (std::ranges::any_of(given, [](const GivenConductivity& one) { return one.along != one.across; }) &&
     sample.image.lattice.dimension == 2) // of a volume the filter says that they do not go
@@ -120,12 +122,14 @@ private:
     session_.onRoot(
       [&]
       {
-        sample_ = loadSample(options_.picture, check);
+        const double* const greys = filter_->GetShares();
+        const bool shares = greys[0] != greys[1];
+        sample_ = loadSample(options_.picture, check, shares);
         Session::checkInterrupt();
         tellDoubts(session_, sample_);
         const Lattice& lattice = sample_.image.lattice;
         image_ = imageOf(sample_);
-        giveConductivities(options_, sample_, image_);
+        giveConductivities(options_, shares, sample_, image_);
         image_->GetExtent(extent_.data());
         const int direction = filter_->GetDirection();
         for (int axis = 0; axis < 3; ++axis)

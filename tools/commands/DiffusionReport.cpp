@@ -39,6 +39,12 @@ Json stepsJson(const lbm::DiffusionAnswer& answer)
   return steps;
 }
 
+/// By id of the findings.
+const std::vector<std::string>& phaseNames(const DiffusionReport& report)
+{
+  return report.found.shares ? report.found.phases : report.sample->image.phases.names();
+}
+
 constexpr std::array ordinals{ "", "first", "second", "third", "fourth" };
 
 std::string percent(double share)
@@ -164,12 +170,12 @@ std::string toJson(const DiffusionReport& report)
   addValues(json, report);
   addCost(json, report);
   json["phases"] = Json::array();
-  for (std::size_t id = 0; id < report.sample->image.phases.size(); ++id)
+  for (std::size_t id = 0; id < phaseNames(report).size(); ++id)
   {
     const bool there = id < report.found.fractions.size();
     const double share = there ? report.found.fractions[id] : 0;
     const double value = there ? report.found.conductivity[id] : 0; // 0 also where none was given, and no node either
-    json["phases"].push_back({ { "name", report.sample->image.phases.names()[id] }, { "fraction", share },
+    json["phases"].push_back({ { "name", phaseNames(report)[id] }, { "fraction", share },
       { "conductivity", share > 0 || value > 0 ? jsonNumber(value) : Json(nullptr) } });
     if (there && !report.found.across.empty())
       json["phases"].back()["conductivity_across"] = jsonNumber(report.found.across[id]);
@@ -245,29 +251,29 @@ std::string toTable(const DiffusionReport& report)
     text += "  " + line + "\n";
   text += report.sample->notes.empty() ? "" : "\n";
   std::size_t width = 5;
-  for (const std::string& phase : report.sample->image.phases.names())
+  for (const std::string& phase : phaseNames(report))
     width = std::max(width, phase.size());
   text += fmt::format("  {:<{}}   share    conductivity\n", "phase", width);
   for (std::size_t id = 0; id < report.found.fractions.size(); ++id)
   {
     if (report.found.fractions[id] > 0)
     {
-      text += fmt::format("  {:<{}}  {:.5f}  {:g}", report.sample->image.phases.names()[id], width,
-        report.found.fractions[id], report.found.conductivity[id]);
+      text += fmt::format("  {:<{}}  {:.5f}  {:g}", phaseNames(report)[id], width, report.found.fractions[id],
+        report.found.conductivity[id]);
       if (!report.found.across.empty() && report.found.across[id] != report.found.conductivity[id])
         text += fmt::format(" along the walls, {:g} across", report.found.across[id]);
       text += "\n";
     }
   }
 
-  const bool known = report.estimated;
+  const bool known = report.estimated && !report.found.shares; // where they are shares, one error for both
   text += fmt::format("\n  effective conductivity      error     {}from series (0 %) to parallel (100 %)\n",
     known ? "lattice   picture   " : "");
   for (const auto& answer : report.found.answers)
   {
     const double span = report.found.bounds.parallel - report.found.bounds.series;
-    text += fmt::format(
-      "    {}  {:<20.7g}  {:<8}  ", axisNames[answer.axis], own(answer), known ? percent(answer.error.relative) : "-");
+    text += fmt::format("    {}  {:<20.7g}  {:<8}  ", axisNames[answer.axis], own(answer),
+      report.estimated ? percent(answer.error.relative) : "-");
     if (known)
       text += fmt::format("{:<8}  {:<8}  ", percent(answer.error.lattice), percent(answer.error.picture));
     text += span > 0 ? fmt::format("{:.1f} %\n", 100 * (own(answer) - report.found.bounds.series) / span) : "-\n";

@@ -199,11 +199,12 @@ void checkSize(
 
 } // namespace
 
-Sample loadSample(const PictureOptions& options, const SampleCheck& check)
+Sample loadSample(const PictureOptions& options, const SampleCheck& check, bool greys)
 {
   lamella::PictureOptions how = readerOptions(options);
   how.read.sizeKnown = [&](const Lattice& whole) { checkSize(options, whole, how.window, check); };
-  how.unnamed = [&](const micrograph::Picture& picture) { refuseUnnamed(options, picture); };
+  if (!greys)
+    how.unnamed = [&](const micrograph::Picture& picture) { refuseUnnamed(options, picture); };
   requirePicture(options.file);
   const vtkSmartPointer<vtkDataObject> held = inMemory(options.file);
   how.data = vtkImageData::SafeDownCast(held);

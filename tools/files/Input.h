@@ -47,8 +47,9 @@ using Sample = PhasePicture;
 /// so that a volume too large to be worked on is not read first. Not told where only the whole file tells the size.
 using SampleCheck = std::function<void(const Lattice& sample)>;
 
+/// @param greys those that nobody named are wanted as they are, each a phase
 /// @throws ParameterError, InputError, MemoryError; what `check` throws
-[[nodiscard]] Sample loadSample(const PictureOptions& options, const SampleCheck& check = {});
+[[nodiscard]] Sample loadSample(const PictureOptions& options, const SampleCheck& check = {}, bool greys = false);
 
 /// The grey values of a picture or volume, with what lamella recorded in it, if lamella wrote it.
 /// @throws InputError

@@ -61,7 +61,7 @@ double SteadyFindings::error(double ErrorEstimate::*kind) const
 
 bool SteadyFindings::outlinesServe() const
 {
-  return dimension == 2 && across.empty() &&
+  return dimension == 2 && across.empty() && !shares &&
     std::ranges::count_if(
       fractions, [](double f) { return f > 0; }) == 2;
 }
@@ -134,7 +134,8 @@ void describe(vtkImageData* output, const SteadyFindings& found)
   if (!found.across.empty())
     setFieldNumbers(output, "phase_conductivity_across", found.across);
   setFieldNumbers(output, "phase_fraction", found.fractions);
-  setFieldTexts(output, "phase_names", found.phases);
+  if (!found.shares)
+    setFieldTexts(output, "phase_names", found.phases);
   setFieldText(output, "phase_array", found.phaseArray);
   setFieldText(output, "direction", found.direction);
   setFieldText(output, "sides", found.sides);

@@ -24,7 +24,8 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   std::vector<double> conductivity;          ///< by phase id; where it differs across the wall, that along it
   std::vector<double> across;                ///< by phase id; empty: the same in every direction
   std::vector<double> fractions;             ///< by phase id
-  std::vector<std::string> phases;           ///< names by id
+  std::vector<std::string> phases;           ///< names by id; of shares low and high, whatever the image's phases
+  bool shares = false;                       ///< of two phases, told by greys
   std::string phaseArray;
   int dimension = 2;
   lbm::Stencil stencil = lbm::Stencil::D2Q5;

@@ -14,6 +14,7 @@
 #include "core/Error.h"
 #include "lbm/Bounds.h"
 #include "lbm/DiffusionStudy.h"
+#include "lbm/Shares.h"
 #include "lbm/StudyChecks.h"
 
 #include "vtkDoubleArray.h"
@@ -29,6 +30,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -93,6 +95,7 @@ struct vtkSteadyDiffusion::Internals
 
   // Of the update that is under way.
   std::vector<double> Values; ///< by id: what is stored where it is above 0
+  std::vector<double> Shares; ///< by id: the part of a node in the phase `high`; empty: ids are phases
   std::shared_ptr<lbm::DirectedDiffusivity> Directed;
   lbm::SteadyOptions Steady;
   std::vector<int> Axes;
@@ -280,6 +283,7 @@ int vtkSteadyDiffusion::RequestData(
     },
     outputVector);
   this->Internal->Directed.reset();
+  this->Internal->Shares.clear();
   this->Internal->Steady = {};
   return done;
 }
@@ -292,8 +296,13 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
       fmt::format("target error {:g} and no error estimate contradict each other", this->TargetError),
       "let the error be estimated, or leave the target out");
   }
+  const bool shares = this->Shares[0] != this->Shares[1];
+  if (shares && (this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty()))
+    throw lamella::ParameterError(
+      "greys as shares of two phases, with pixels that are split or conduct along and across",
+      "leave out the refinement, the target error and the second conductivity: two spacings give the error");
   const bool gathered =
-    this->EstimateError || this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty();
+    this->EstimateError || this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty() || shares;
   const lamella::DiffusionScene scene(input, this->GetInputArrayInformation(0), this->Direction, team, gathered);
   this->Prepare(input, scene, team);
   FieldStore store(this, scene, team);
@@ -315,6 +324,11 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   team.agree(
     [&]
     {
+      if (this->Shares[0] != this->Shares[1])
+      {
+        this->TakeShares(scene);
+        return;
+      }
       found.conductivity = lamella::conductivityById(scene.phases, internal.Conductivity, scene.nodes);
       found.across = lamella::acrossById(scene.phases, internal.Conductivity, internal.Across, scene.nodes);
       if (!found.across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9)
@@ -345,16 +359,20 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   }
   found.dimension = lattice.dimension;
   found.stencil = found.across.empty() ? scene.stencil(this->Lattice) : lbm::Stencil::D2Q9;
-  found.phases = scene.phases.names;
+  if (!found.shares)
+    found.phases = scene.phases.names;
   found.targetError = this->TargetError;
   found.direction = this->Direction == ALL ? "all" : lamella::axisNames[static_cast<std::size_t>(this->Direction)];
   found.sides = this->SidesName();
   found.quantity = this->QuantityName();
   found.tolerance = this->Tolerance;
-  found.fractions.assign(scene.nodes.begin(), scene.nodes.end());
-  for (double& fraction : found.fractions)
-    fraction /= static_cast<double>(lattice.count());
-  internal.Values = found.conductivity;
+  if (!found.shares)
+  {
+    found.fractions.assign(scene.nodes.begin(), scene.nodes.end());
+    for (double& fraction : found.fractions)
+      fraction /= static_cast<double>(lattice.count());
+    internal.Values = found.conductivity;
+  }
   if (!found.across.empty())
   {
     const lamella::NodeVectors axis = lamella::vectorsOf(input, this->GetInputArrayInformation(1), "axis",
@@ -384,6 +402,49 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   team.agree([&] { lbm::requireMemory(size); });
   if (std::string words = lbm::plan(size, static_cast<int>(internal.Axes.size()), options.threads); !words.empty())
     this->InvokeEvent(PLAN_EVENT, words.data());
+}
+
+// What the greys say of the two phases.
+void vtkSteadyDiffusion::TakeShares(const lamella::DiffusionScene& scene)
+{
+  auto& internal = *this->Internal;
+  lamella::SteadyFindings& found = internal.Found;
+  const std::string remedy = "give conductivities of low and high, the phases of the low and of the high greys";
+  for (const auto& [name, value] : internal.Conductivity)
+    if (name != "low" && name != "high")
+      throw lamella::ParameterError("a conductivity of '" + name + "' where greys are shares of two phases", remedy);
+  for (const char* const name : { "low", "high" })
+  {
+    const auto given = internal.Conductivity.find(name);
+    if (given == internal.Conductivity.end())
+      throw lamella::ParameterError(std::string("no conductivity of '") + name + "'", remedy);
+    if (!std::isfinite(given->second) || given->second < 0)
+      throw lamella::ParameterError(fmt::format("the conductivity of {} is {}", name, given->second),
+        "give a positive value, or 0 for a phase that does not conduct");
+    found.conductivity.push_back(given->second);
+  }
+  double sum = 0;
+  for (std::size_t id = 0; id < scene.nodes.size(); ++id)
+  {
+    const std::string& text = scene.phases.names[id]; // of what nobody named: the grey
+    double grey = 0;
+    if (std::from_chars(text.data(), text.data() + text.size(), grey).ptr != text.data() + text.size())
+      throw lamella::ParameterError(
+        "shares of greys were given for an image whose phases have names, as '" + text + "'",
+        "give the grey image itself, and no names of phases");
+    internal.Shares.push_back(std::clamp((grey - this->Shares[0]) / (this->Shares[1] - this->Shares[0]), 0.0, 1.0));
+    sum += internal.Shares.back() * static_cast<double>(scene.nodes[id]);
+  }
+  const double high = sum / static_cast<double>(scene.lattice().count());
+  if (!(high > 0 && high < 1))
+    throw lamella::InputError(fmt::format("no node lies between greys of {:g} and {:g}: all is {}", this->Shares[0],
+                                this->Shares[1], high > 0 ? "high" : "low"),
+      "give the greys of the two phases, as the peaks of the histogram show them");
+  found.shares = true;
+  found.phases = { "low", "high" };
+  found.fractions = { 1 - high, high };
+  for (const double share : internal.Shares)
+    internal.Values.push_back(share * found.conductivity[1] + (1 - share) * found.conductivity[0]);
 }
 
 void vtkSteadyDiffusion::SolveInBlocks(
@@ -454,14 +515,17 @@ void vtkSteadyDiffusion::SolveGathered(
              const lamella::Lattice& lattice, const lbm::Block& block)
     { store.take(solver, answer.axis, lattice, block); };
   }
-  internal.Found.answers = lbm::studyDiffusion(scene.image, internal.Values, study, team.comm(), take);
+  const std::vector<double>& k = internal.Found.conductivity;
+  internal.Found.answers = internal.Shares.empty()
+    ? lbm::studyDiffusion(scene.image, internal.Values, study, team.comm(), take)
+    : lbm::studyShares(scene.image, internal.Shares, k[0], k[1], study, team.comm(), take);
 }
 
 void vtkSteadyDiffusion::Conclude()
 {
   const auto& internal = *this->Internal;
   lamella::SteadyFindings& found = this->Internal->Found;
-  found.bounds = lbm::bounds(found.fractions, internal.Values, found.dimension);
+  found.bounds = lbm::bounds(found.fractions, found.shares ? found.conductivity : internal.Values, found.dimension);
   if (internal.Directed) // more of a conductor conducts no less
   {
     const lbm::Bounds least = lbm::bounds(found.fractions, internal.Directed->smaller(), found.dimension);
@@ -477,8 +541,9 @@ void vtkSteadyDiffusion::Conclude()
       if (!std::isfinite(answer.error.relative))
       {
         vtkWarningMacro("the error along "
-          << lamella::axisNames[static_cast<std::size_t>(answer.axis)]
-          << " could not be estimated: the middle of the sample, which is solved for it, has no conducting path");
+          << lamella::axisNames[static_cast<std::size_t>(answer.axis)] << " could not be estimated: "
+          << (found.shares ? "voxels of twice the size would be too few"
+                           : "the middle of the sample, which is solved for it, has no conducting path"));
       }
     }
   }

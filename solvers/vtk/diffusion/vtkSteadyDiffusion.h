@@ -110,6 +110,16 @@ public:
   double GetConductivityAcross(const char* phase);
   ///@}
 
+  /**
+   * The image is grey, not labels: the greys of nodes that hold nothing of the phase `high`, and that are all of it;
+   * what is between holds a part, which tells where in a node the surface lies. The conductivities are then those of
+   * `low` and `high`. Not given (both 0): the image holds phases. At most 256 greys.
+   * @title Greys of none and of all
+   * @group Materials
+   * @columns none, all
+   */
+  vtkSettingVector2Macro(Shares, double);
+
   enum AllDirections
   {
     ALL = 3
@@ -134,7 +144,8 @@ public:
   };
   /**
    * How the system is solved. All give the same answer; automatic goes by what conducts, by memory and by whether
-   * fields are wanted. Lean multigrid: 9 bytes a node, not where a phase insulates in thin walls; piece multigrid: 10 to 25, any phases.
+   * fields are wanted. Lean multigrid: 9 bytes a node, not where a phase insulates in thin walls; piece multigrid: 10
+   * to 25, any phases.
    * @group Accuracy and cost
    * @choice Methods
    * @advanced
@@ -225,6 +236,7 @@ private:
   class FieldStore;
   void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
   /// What of the settings and the image the solver takes. @throws Error on every rank
+  void TakeShares(const lamella::DiffusionScene& scene);
   void Prepare(vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team);
   void SolveInBlocks(const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team);
   void SolveGathered(const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team);
@@ -232,6 +244,7 @@ private:
 
   std::unique_ptr<Internals> Internal;
 
+  double Shares[2] = { 0, 0 };
   int Method = AUTO_METHOD;
   double Tolerance = 1e-8;
   int MaximumIterations = 500;
