@@ -68,6 +68,10 @@ def bonds(command, *words, cost, mpi=True, horizons=True, periodic=False):
 SOLVERS = {
     "diffusion": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=1e-3", "--direction", "x",
                        "--method", "multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.01),
+    "diffusion, lean": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0.3", "--direction", "y", "--method",
+                             "lean-multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.02),
+    "diffusion, pieces": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0", "--direction", "z", "--method",
+                               "piece-multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.02),
     "diffusion, algebraic": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0", "--direction", "z",
                                   "--method", "algebraic-multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.02),
     "diffusion, periodic D3Q19": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0.1", "--direction", "y", "--lattice",
