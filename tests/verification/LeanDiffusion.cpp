@@ -239,8 +239,8 @@ constexpr auto pieces = lbm::Method::PieceMultigrid;
 void comparePieces(const PhaseImage& image, const std::vector<double>& d, Case s)
 {
   s.tolerance = 1e-10;
-  s.method = lbm::Method::AlgebraicMultigrid;
-  const auto exact = solve(image, d, s);
+  const auto exact = solve(image, d, s); // in double precision, for its field is wanted
+  EXPECT_TRUE(exact.method == lbm::Method::Multigrid || exact.method == lbm::Method::AlgebraicMultigrid);
   const auto a = static_cast<std::size_t>(s.axis);
   s.method = pieces;
   // single precision leaves 2e-6 where 1e5 is insulated
@@ -261,6 +261,8 @@ void comparePieces(const PhaseImage& image, const std::vector<double>& d, Case s
 
 TEST(Pieces, TakeEveryContrast)
 {
+  if (ranks() > 1)
+    GTEST_SKIP() << "pieces are for one rank";
   for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Mixed })
   {
     const PhaseImage volume = sides == lbm::Sides::Insulated ? tissue(41, 42, 47) : tissue(40, 44, 42);
@@ -277,6 +279,8 @@ TEST(Pieces, TakeEveryContrast)
 
 TEST(Pieces, TakePhasesThatDoNotConduct)
 {
+  if (ranks() > 1)
+    GTEST_SKIP() << "pieces are for one rank";
   for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Mixed, lbm::Sides::Periodic })
     for (const int axis : { 0, 1, 2 })
     {
@@ -301,6 +305,8 @@ TEST(Pieces, TakePhasesThatDoNotConduct)
 
 TEST(Pieces, FieldsAreThoseOfTheExactMethod)
 {
+  if (ranks() > 1)
+    GTEST_SKIP() << "pieces are for one rank";
   const PhaseImage image = noise(30, 32, 28, 0.45, 8);
   const Block whole = decompose(image.lattice, MPI_COMM_SELF);
   for (const auto sides : { lbm::Sides::Insulated, lbm::Sides::Periodic })
@@ -336,6 +342,8 @@ TEST(Pieces, FieldsAreThoseOfTheExactMethod)
 
 TEST(Pieces, ThreadsGiveTheSameAndNoPathIsSaid)
 {
+  if (ranks() > 1)
+    GTEST_SKIP() << "pieces are for one rank";
   const PhaseImage image = noise(60, 62, 58, 0.6, 2);
   const auto one = valueOnly(image, { 0.0, 1.0 }, { .axis = 1, .method = pieces, .tolerance = 1e-6 });
   const auto two = valueOnly(image, { 0.0, 1.0 }, { .axis = 1, .method = pieces, .tolerance = 1e-6, .threads = 2 });
@@ -346,6 +354,8 @@ TEST(Pieces, ThreadsGiveTheSameAndNoPathIsSaid)
 
 TEST(Pieces, TakeWhatTheyPromise)
 {
+  if (ranks() > 1)
+    GTEST_SKIP() << "pieces are for one rank";
   // everything conducts, thin walls insulate: at most 25 bytes a node; pores alone: 60 a node that conducts
   const auto tissueWalls = valueOnly(tissue(104, 104, 104), { 1.0, 0.001 }, { .method = pieces, .tolerance = 1e-6 });
   EXPECT_LE(static_cast<double>(tissueWalls.bytes) / static_cast<double>(tissueWalls.nodes), 25.0);
