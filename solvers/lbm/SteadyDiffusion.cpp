@@ -141,8 +141,8 @@ struct SteadyDiffusion::Impl
     {
       case Method::LeanMultigrid:
         if (!lean)
-          refuse(
-            Method::LeanMultigrid, ": it needs straight links, and an even number of nodes where sides are periodic");
+          refuse(Method::LeanMultigrid,
+            ": it needs straight links, 8 rows a rank, and an even number of nodes where sides are periodic");
         return { options.method };
       case Method::PieceMultigrid:
         if (!piecesFit(problem(axis)))
