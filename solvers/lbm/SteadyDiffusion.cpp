@@ -130,7 +130,7 @@ struct SteadyDiffusion::Impl
     const bool lean = halves && leanFits(problem(axis));
     const auto refuse = [&](Method way, const char* where)
     {
-      throw ParameterError(allConduct
+      throw ParameterError(allConduct || way == Method::PieceMultigrid
           ? fmt::format("{} cannot take a {}lattice of {} × {} × {} nodes{}", lbm::name(way),
               options.sides == Sides::Insulated ? "" : "periodic ", lattice.size[0], lattice.size[1], lattice.size[2],
               where)
