@@ -2,8 +2,8 @@
 // iterations, seconds by the clock and of all processors, the value and how far both faces are from it.
 //   size=200  kind=softwood|balls|noise  contrast=43  walls=conduct|insulate  fraction=0.4  axis=0  tolerance=1e-6
 //   methods=lean-multigrid,multigrid,algebraic-multigrid  threads=1  sides=insulated|mixed|periodic  dimension=3
-//   base=200 size=400: a picture and its mirror images, which have the same value   file=cube.raw: bytes instead of a kind
-//   contrast=inf: one phase does not conduct
+//   base=200 size=400: a picture and its mirror images, which have the same value   file=cube.raw: bytes instead of a
+//   kind contrast=inf: one phase does not conduct
 #include "Keys.h"
 
 #include "core/Clock.h"

@@ -21,7 +21,10 @@ struct Problem
   int axis = 0;
   const LinkTable* table = nullptr; ///< of the whole lattice, or none
 
-  [[nodiscard]] Links links() const { return { lattice, options.stencil, boundary(), diffusivity, table, options.pairs.get() }; }
+  [[nodiscard]] Links links() const
+  {
+    return { lattice, options.stencil, boundary(), diffusivity, table, options.pairs.get() };
+  }
   [[nodiscard]] std::array<Boundary, 3> boundary() const
   {
     const Boundary side = options.sides == Sides::Insulated ? Boundary::Insulated : Boundary::Periodic;

@@ -66,7 +66,9 @@ class Answers(Case):
         for wrong, text in [
             ([*words[:3], "--conductivity", "low=1,matrix=2"], "a conductivity of 'matrix' where greys are shares"),
             ([*words[:3], "--conductivity", "low=1"], "no conductivity of 'high'"),
-            ([*words[:2], "250,255", *words[3:]], "no node lies between greys of 250 and 255: all is low"),
+            ([*words[:2], "250,255", *words[3:]], "no node crosses from 250 to 255: none is more high than low"),
+            ([*words[:2], "1e300,-1e300", *words[3:]], "no node crosses from 1e+300 to -1e+300"),
+            ([*words[:2], "40,40", *words[3:]], "greys of none and of all that are both 40"),
             ([*words, "--refine", "2"], "greys as shares of two phases, with pixels that are split"),
         ]:
             refused = self.run_lamella("diffusion", *wrong)

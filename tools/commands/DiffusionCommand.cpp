@@ -123,7 +123,7 @@ private:
       [&]
       {
         const double* const greys = filter_->GetShares();
-        const bool shares = greys[0] != greys[1];
+        const bool shares = greys[0] != 0 || greys[1] != 0;
         sample_ = loadSample(options_.picture, check, shares);
         Session::checkInterrupt();
         tellDoubts(session_, sample_);

@@ -117,7 +117,7 @@ void LeanField::forEachRow(const RowFunction& f) const
   const Grid& g = level_.grid;
   const std::int64_t columns = (g.ny + tileY_ - 1) / tileY_;
   const auto count = static_cast<std::int64_t>(tiles());
-  const int threads = g.nx * g.ny * g.nz < threadedNodes ? 1 : std::max(1, problem_.options.threads);
+  const int threads = this->threads();
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(dynamic)
   for (std::int64_t t = 0; t < count; ++t)
   {
@@ -199,43 +199,56 @@ void LeanField::relax(int sweeps, bool forward)
   }
 }
 
+namespace
+{
+
+// f(row of blocks along y, along z)
+template <class F>
+void forEachBlockRow(const Grid& blocks, int threads, F&& f)
+{
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+  for (std::int64_t i = 0; i < blocks.ny * blocks.nz; ++i)
+    f(i % blocks.ny, i / blocks.ny);
+}
+
+} // namespace
+
+int LeanField::threads() const noexcept
+{
+  return block_.count() < threadedNodes ? 1 : std::max(1, problem_.options.threads);
+}
+
 void LeanField::restrictTo(Level& coarse) const
 {
   const Grid& g = level_.grid;
   const Grid& c = coarse.grid;
-  const int threads = g.nx * g.ny * g.nz < threadedNodes ? 1 : std::max(1, problem_.options.threads);
-#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
-  for (std::int64_t i = 0; i < c.ny * c.nz; ++i)
-  {
-    const std::int64_t cy = i % c.ny;
-    const std::int64_t cz = i / c.ny;
-    std::vector<float> natural(static_cast<std::size_t>(c.nx + 1), 0.0F);
-    for (std::int64_t z = 2 * cz; z < std::min(2 * cz + 2, g.nz); ++z)
-      for (std::int64_t y = 2 * cy; y < std::min(2 * cy + 2, g.ny); ++y) // the other colour was relaxed last
-        addResidual(y, z, static_cast<int>((y + z) & 1), natural.data());
-    kernels().split(c.nx, c.half, natural.data(), coarse.f.data() + c.row(cy, cz));
-  }
+  forEachBlockRow(c, threads(),
+    [&](std::int64_t cy, std::int64_t cz)
+    {
+      std::vector<float> natural(static_cast<std::size_t>(c.nx + 1), 0.0F);
+      for (std::int64_t z = 2 * cz; z < std::min(2 * cz + 2, g.nz); ++z)
+        for (std::int64_t y = 2 * cy; y < std::min(2 * cy + 2, g.ny); ++y) // the other colour was relaxed last
+          addResidual(y, z, static_cast<int>((y + z) & 1), natural.data());
+      kernels().split(c.nx, c.half, natural.data(), coarse.f.data() + c.row(cy, cz));
+    });
 }
 
 void LeanField::addFrom(const Level& coarse)
 {
   const Grid& g = level_.grid;
   const Grid& c = coarse.grid;
-  const int threads = g.nx * g.ny * g.nz < threadedNodes ? 1 : std::max(1, problem_.options.threads);
-#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
-  for (std::int64_t i = 0; i < c.ny * c.nz; ++i)
-  {
-    const std::int64_t cy = i % c.ny;
-    const std::int64_t cz = i / c.ny;
-    std::vector<float> natural(static_cast<std::size_t>(c.nx));
-    kernels().merge(c.nx, c.half, coarse.u.data() + c.row(cy, cz), natural.data());
-    for (std::int64_t z = 2 * cz; z < std::min(2 * cz + 2, g.nz); ++z)
-      for (std::int64_t y = 2 * cy; y < std::min(2 * cy + 2, g.ny); ++y)
-      {
-        float* v = v_.data() + g.row(y, z);
-        phaseKernels().addToBoth(g.even, g.odd, natural.data(), v, v + g.half);
-      }
-  }
+  forEachBlockRow(c, threads(),
+    [&](std::int64_t cy, std::int64_t cz)
+    {
+      std::vector<float> natural(static_cast<std::size_t>(c.nx));
+      kernels().merge(c.nx, c.half, coarse.u.data() + c.row(cy, cz), natural.data());
+      for (std::int64_t z = 2 * cz; z < std::min(2 * cz + 2, g.nz); ++z)
+        for (std::int64_t y = 2 * cy; y < std::min(2 * cy + 2, g.ny); ++y)
+        {
+          float* v = v_.data() + g.row(y, z);
+          phaseKernels().addToBoth(g.even, g.odd, natural.data(), v, v + g.half);
+        }
+    });
   exchange();
 }
 

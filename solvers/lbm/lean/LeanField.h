@@ -66,6 +66,8 @@ private:
   /// Rows in tiles whose planes stay in cache, over the threads; tiles do not depend on how many threads there are.
   void forEachRow(const RowFunction& f) const;
   [[nodiscard]] std::size_t tiles() const noexcept;
+  /// Those that are worth their waiting.
+  [[nodiscard]] int threads() const noexcept;
   [[nodiscard]] PhaseRow row(std::int64_t y, std::int64_t z, int part) const;
   [[nodiscard]] RowSide side(std::int64_t y, std::int64_t z, int part, int axis, int step) const;
   [[nodiscard]] std::int64_t along(std::int64_t y, std::int64_t z) const noexcept;

@@ -296,7 +296,10 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
       fmt::format("target error {:g} and no error estimate contradict each other", this->TargetError),
       "let the error be estimated, or leave the target out");
   }
-  const bool shares = this->Shares[0] != this->Shares[1];
+  const bool shares = this->Shares[0] != 0 || this->Shares[1] != 0;
+  if (shares && !(std::abs(this->Shares[1] - this->Shares[0]) > 0))
+    throw lamella::ParameterError(
+      fmt::format("greys of none and of all that are both {:g}", this->Shares[0]), "give the greys of the two phases");
   if (shares && (this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty()))
     throw lamella::ParameterError(
       "greys as shares of two phases, with pixels that are split or conduct along and across",
@@ -324,7 +327,7 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   team.agree(
     [&]
     {
-      if (this->Shares[0] != this->Shares[1])
+      if (this->Shares[0] != 0 || this->Shares[1] != 0)
       {
         this->TakeShares(scene);
         return;
@@ -436,9 +439,17 @@ void vtkSteadyDiffusion::TakeShares(const lamella::DiffusionScene& scene)
     sum += internal.Shares.back() * static_cast<double>(scene.nodes[id]);
   }
   const double high = sum / static_cast<double>(scene.lattice().count());
-  if (!(high > 0 && high < 1))
-    throw lamella::InputError(fmt::format("no node lies between greys of {:g} and {:g}: all is {}", this->Shares[0],
-                                this->Shares[1], high > 0 ? "high" : "low"),
+  const auto crosses = [&](auto&& side)
+  {
+    for (std::size_t id = 0; id < scene.nodes.size(); ++id)
+      if (scene.nodes[id] > 0 && side(internal.Shares[id]))
+        return true;
+    return false;
+  };
+  const bool someHigh = crosses([](double share) { return share > 0.5; });
+  if (!someHigh || !crosses([](double share) { return share < 0.5; }))
+    throw lamella::InputError(fmt::format("no node crosses from {:g} to {:g}: {}", this->Shares[0], this->Shares[1],
+                                someHigh ? "all are more high than low" : "none is more high than low"),
       "give the greys of the two phases, as the peaks of the histogram show them");
   found.shares = true;
   found.phases = { "low", "high" };
