@@ -16,7 +16,7 @@ PhaseImage subsample(const PhaseImage& image, std::array<std::int64_t, 3> first,
   {
     assert(first[axis] >= 0 && first[axis] < from.size[axis]);
     result.lattice.size[axis] = (from.size[axis] - first[axis] + stride - 1) / stride;
-    result.lattice.origin[axis] += from.spacing * static_cast<double>(first[axis]);
+    result.lattice.origin[axis] += from.spacingAlong(axis) * static_cast<double>(first[axis]);
   }
   result.lattice.spacing = from.spacing * stride;
   result.phase.reserve(static_cast<std::size_t>(result.lattice.count()));

@@ -4,6 +4,7 @@
 #include "lbm/Links.h"
 #include "lbm/SteadyDiffusion.h"
 
+#include <array>
 #include <span>
 
 namespace lamella::lbm
@@ -53,6 +54,9 @@ public:
 
 /// Turns sums over all ranks into effective properties (result.effective, inletFlux, outletFlux, balance).
 void setEffective(SteadyResult& result, const FieldSums& sums, const Lattice& lattice, int axis, double scale);
+
+/// What a link's flux, scaled, is to be multiplied by to be one through its area, by axis.
+[[nodiscard]] std::array<double, 3> fluxUnits(const Links& links, const Lattice& lattice) noexcept;
 
 /// Cancels when the progress callback of any rank says so.
 void reportProgress(const SteadyOptions& options, const Communicator& comm, double fraction, const char* what);

@@ -301,7 +301,7 @@ void BoxField::flux(std::span<double> out) const
 {
   std::fill(out.begin(), out.end(), 0.0);
   const int axis = problem_.axis;
-  const double unit = links_.scale() / problem_.lattice.spacing;
+  const std::array<double, 3> unit = fluxUnits(links_, problem_.lattice);
   for (std::int64_t z = 0; z < block_.size[2]; ++z)
     for (std::int64_t y = 0; y < block_.size[1]; ++y)
     {
@@ -311,20 +311,21 @@ void BoxField::flux(std::span<double> out) const
           [&](std::int64_t x, double g, double du)
           {
             for (int a = 0; a < 3; ++a)
-              row[3 * x + a] += 0.5 * unit * g * du * d[a];
+              row[3 * x + a] += 0.5 * unit[static_cast<std::size_t>(a)] * g * du * d[a];
           });
       if (problem_.options.sides == Sides::Periodic)
         continue;
       const double* u = u_.data() + halo_.row(y, z) * stride_ + 1;
       const std::uint8_t* phase = rowPhase(y, z);
+      const double half = 0.5 * unit[static_cast<std::size_t>(axis)];
       for (std::int64_t x = 0; x < block_.size[0]; ++x)
       {
         const std::int64_t p = axis == 0 ? x : axis == 1 ? y + block_.start[1] : z + block_.start[2];
         const std::array<std::int64_t, 3> node{ x, y + block_.start[1], z + block_.start[2] };
         if (p == 0)
-          row[3 * x + axis] += 0.5 * unit * links_.wall(phase[x], node, axis, false) * (1.0 - u[x]);
+          row[3 * x + axis] += half * links_.wall(phase[x], node, axis, false) * (1.0 - u[x]);
         if (p == problem_.lattice.size[axis] - 1)
-          row[3 * x + axis] += 0.5 * unit * links_.wall(phase[x], node, axis, true) * u[x];
+          row[3 * x + axis] += half * links_.wall(phase[x], node, axis, true) * u[x];
       }
     }
 }

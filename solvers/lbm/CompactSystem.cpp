@@ -235,6 +235,7 @@ public:
   void flux(std::span<double> out) const override
   {
     std::fill(out.begin(), out.end(), 0.0);
+    const std::array<double, 3> unit = fluxUnits(links_, problem_.lattice);
     forEachOwned(
       [&](const Position& p, std::int64_t row, std::uint32_t id, std::int64_t)
       {
@@ -247,8 +248,8 @@ public:
           });
         const std::size_t i = static_cast<std::size_t>(
           p[0] + block_.size[0] * (p[1] - block_.start[1] + block_.size[1] * (p[2] - block_.start[2])));
-        for (int a = 0; a < 3; ++a)
-          out[3 * i + static_cast<std::size_t>(a)] = q[a] * links_.scale() / problem_.lattice.spacing;
+        for (std::size_t a = 0; a < 3; ++a)
+          out[3 * i + a] = q[a] * unit[a];
       });
   }
 

@@ -18,7 +18,7 @@ struct DirectedDiffusivity
 {
   std::vector<double> along;              ///< one a phase id, ≥ 0
   std::vector<double> across;             ///< one a phase id, ≥ 0; as along: the same in every direction
-  std::vector<std::array<float, 2>> axis; ///< one a node, of any length and either sign; 0: none
+  std::vector<std::array<float, 3>> axis; ///< one a node, of any length and either sign; 0: none
 
   /// The larger one of each phase, which says what conducts (the diffusivities of SteadyDiffusion), and the smaller.
   [[nodiscard]] std::vector<double> larger() const;

@@ -1,6 +1,7 @@
 #include "lbm/Links.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lamella::lbm
 {
@@ -13,6 +14,8 @@ Links::Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> bo
   , phases_(diffusivity.size())
   , diffusivity_(diffusivity.begin(), diffusivity.end())
 {
+  for (std::size_t a = 0; a < 3; ++a)
+    factor_[a] = std::pow(lattice.aspect[0] / lattice.aspect[a], 2);
   if (stencil == Stencil::D2Q9)
     straight_ = 2.0 / 3.0;
   else if (stencil == Stencil::D3Q19)

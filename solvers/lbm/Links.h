@@ -39,6 +39,9 @@ struct Direction
 /// The links of the steady state of two-relaxation-time lattice Boltzmann with Λ⁺Λ⁻ = ¼: between nodes r and r' the
 /// conductance 6 w_q · 2DD'/(D + D'), to a wall value half-way 12 w_q D. Straight links weigh 1 on D2Q5 and D3Q7
 /// (w_q = 1/6), 2/3 on D2Q9, 1/3 on D3Q19; diagonal ones 1/6.
+///
+/// Where spacings differ between axes, links along a carry the factor (δ_x / δ_a)²: area over length, over that of the
+/// links along x, with the volume of a voxel taken off. Straight links only.
 class Links
 {
 public:
@@ -67,7 +70,7 @@ public:
     }
     if (d.axes() == 2)
       return diagonal_;
-    double w = straight_;
+    double w = straight_ * factor(d);
     if (diagonal_ != 0.0)
       for (int a = 0; a < dimension_; ++a)
         if (d[a] == 0 && boundary_[a] == Boundary::Insulated)
@@ -103,25 +106,33 @@ public:
   /// Diffusivity of a phase id, scaled by scale().
   [[nodiscard]] double diffusivity(std::uint8_t a) const noexcept { return diffusivity_[a]; }
   /// Conductance of a node to the wall value on a fixed face: 12 D Σ w_q = 2 D on every stencil.
-  [[nodiscard]] double wall(std::uint8_t a) const noexcept { return 2.0 * diffusivity_[a]; }
+  [[nodiscard]] double wall(std::uint8_t a, int axis) const noexcept { return 2.0 * factor_[axis] * diffusivity_[a]; }
   /// The same where a table may say otherwise.
   /// @param phase of the node  @param p its position in the whole lattice  @param axis, high which face
   [[nodiscard]] double wall(
     std::uint8_t phase, const std::array<std::int64_t, 3>& p, int axis, bool high) const noexcept
   {
     if (given_.x.empty())
-      return wall(phase);
+      return wall(phase, axis);
     const int step = high ? 1 : -1;
     return 2.0 * given_.row(axis == 0 ? step : 0, axis == 0 ? 0 : step, p[1])[p[0]];
   }
+  /// (δ_x / δ_axis)²
+  [[nodiscard]] double factor(int axis) const noexcept { return factor_[axis]; }
   /// Largest diffusivity: everything inside is divided by it.
   [[nodiscard]] double scale() const noexcept { return scale_; }
   [[nodiscard]] bool conducts(std::uint8_t a) const noexcept { return diffusivity_[a] > 0.0; }
 
 private:
+  [[nodiscard]] double factor(const Direction& d) const noexcept
+  {
+    return d.x != 0 ? factor_[0] : d.y != 0 ? factor_[1] : factor_[2];
+  }
+
   int dimension_;
   std::array<std::int64_t, 3> size_;
   std::array<Boundary, 3> boundary_;
+  std::array<double, 3> factor_{ 1, 1, 1 };
   double straight_ = 1.0;
   double diagonal_ = 0.0;
   double scale_ = 1.0;

@@ -5,13 +5,16 @@
 namespace lamella::lbm
 {
 
-PlaneBalance::PlaneBalance(const PlaneSums& sums, double fieldEnergy, bool periodic)
+PlaneBalance::PlaneBalance(const PlaneSums& sums, double fieldEnergy, bool periodic, bool onFaces)
 {
   const std::size_t planes = sums.conductance.size();
   const std::size_t layers = periodic ? planes : planes - 1;
   // fall of the linear profile in a plane; a face lies half a spacing from its layer
   const auto linear = [&](std::size_t i)
-  { return (!periodic && (i == 0 || i == layers) ? 0.5 : 1.0) / static_cast<double>(layers); };
+  {
+    const bool half = !periodic && !onFaces && (i == 0 || i == layers);
+    return (half ? 0.5 : 1.0) / static_cast<double>(onFaces ? planes : layers);
+  };
 
   // v = u − linear profile, its plane fluxes F and energy
   std::vector<double> flux(planes);

@@ -36,7 +36,9 @@ struct PlaneBalance
   /// @param sums    of u, over all ranks
   /// @param energy  Σ g (Δu)² over all links
   /// @param periodic  u is then what is left of the field when the linear profile is taken off, and so is the result
-  PlaneBalance(const PlaneSums& sums, double energy, bool periodic);
+  /// @param onFaces   the outer layers of nodes lie on the faces, are held, and are none of the layers; so all planes
+  ///                  are one spacing wide
+  PlaneBalance(const PlaneSums& sums, double energy, bool periodic, bool onFaces = false);
 };
 
 } // namespace lamella::lbm

@@ -7,7 +7,9 @@
 #include "lbm/Backend.h"
 #include "lbm/CompactSystem.h"
 #include "lbm/Connectivity.h"
+#include "lbm/DirectedLinks.h"
 #include "lbm/MultigridSystem.h"
+#include "lbm/elements/ElementSystem.h"
 #include "lbm/lean/LeanSystem.h"
 
 #include <fmt/format.h>
@@ -45,6 +47,8 @@ const char* name(Stencil stencil) noexcept
       return "d3q7";
     case Stencil::D3Q19:
       return "d3q19";
+    case Stencil::Q1:
+      return "q1";
   }
   return "";
 }
@@ -71,16 +75,26 @@ void setEffective(SteadyResult& result, const FieldSums& sums, const Lattice& la
 {
   const double n = static_cast<double>(lattice.size[axis]);
   const double nodes = static_cast<double>(lattice.count());
-  const double perFace = scale * n * n / nodes; // flux through a face of nodes / n nodes, over a gradient of 1 / n
+  // flux through a face of nodes / n nodes, over a gradient of 1 / n; links carry (δ_x / δ_a)²
+  const double stretch = lattice.aspect[axis] / lattice.aspect[0];
+  const double perFace = scale * n * n / nodes * stretch * stretch;
   const double energy = sums.energy * perFace;
   result.inletFlux = sums.inlet * perFace;
   result.outletFlux = sums.outlet * perFace;
   for (int a = 0; a < 3; ++a)
-    result.effective[a] = sums.flux[a] * scale * n / nodes;
+    result.effective[a] = sums.flux[a] * scale * n / nodes * stretch * lattice.aspect[a] / lattice.aspect[0];
   result.effective[axis] = energy;
   result.balance = energy > 0
     ? std::max(std::abs(result.inletFlux - energy), std::abs(result.outletFlux - energy)) / energy
     : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::array<double, 3> fluxUnits(const Links& links, const Lattice& lattice) noexcept
+{
+  std::array<double, 3> units{};
+  for (int a = 0; a < 3; ++a)
+    units[static_cast<std::size_t>(a)] = links.scale() / (links.factor(a) * lattice.spacingAlong(a));
+  return units;
 }
 
 void reportProgress(const SteadyOptions& options, const Communicator& comm, double fraction, const char* what)
@@ -126,6 +140,12 @@ struct SteadyDiffusion::Impl
   /// The ways to try, the leanest first; what is too much for one is left to the next.
   [[nodiscard]] std::vector<Method> ways(int axis) const
   {
+    if (options.stencil == Stencil::Q1)
+    {
+      if (options.method != Method::Auto && options.method != Method::Multigrid)
+        throw ParameterError(fmt::format("{} on elements", lbm::name(options.method)), "leave the method at auto");
+      return { Method::Multigrid };
+    }
     const bool halves = allConduct && multigridFits(lattice, options.sides);
     const bool lean = halves && leanFits(problem(axis));
     const auto refuse = [&](Method way, const char* where)
@@ -142,7 +162,7 @@ struct SteadyDiffusion::Impl
       case Method::LeanMultigrid:
         if (!lean)
           refuse(Method::LeanMultigrid,
-            ": it needs straight links, 8 rows a rank, and an even number of nodes where sides are periodic");
+            ": it needs straight links, 8 rows a rank, spacings within a ratio of 2, and an even number of nodes where sides are periodic");
         return { options.method };
       case Method::PieceMultigrid:
         if (!piecesFit(problem(axis)))
@@ -194,6 +214,8 @@ namespace
 
 std::unique_ptr<Backend> makeBackend(Method method, const Problem& problem)
 {
+  if (problem.options.stencil == Stencil::Q1)
+    return makeElementSystem(problem);
   if (method == Method::LeanMultigrid)
     return makeLeanSystem(problem);
   if (method == Method::PieceMultigrid)
@@ -267,10 +289,17 @@ SteadyDiffusion::SteadyDiffusion(const Lattice& lattice, const Block& block, std
   : impl_(std::make_unique<Impl>(lattice, comm))
 {
   Impl& m = *impl_;
-  if (dimensionOf(options.stencil) != lattice.dimension)
+  if (options.stencil != Stencil::Q1 && dimensionOf(options.stencil) != lattice.dimension)
     throw ParameterError(
       fmt::format("lattice {} does not fit a {}-dimensional picture", name(options.stencil), lattice.dimension),
       lattice.dimension == 2 ? "use d2q5 or d2q9" : "use d3q7 or d3q19");
+  const bool diagonals = options.stencil == Stencil::D2Q9 || options.stencil == Stencil::D3Q19;
+  if (!lattice.cubes() && (options.links || diagonals))
+    throw ParameterError(
+      fmt::format("spacings that differ between axes ({}, {}, {}) go with straight links, not with {}",
+        lattice.spacingAlong(0), lattice.spacingAlong(1), lattice.spacingAlong(2),
+        options.links ? "links one by one" : name(options.stencil)),
+      options.links ? "resample the picture to square pixels" : lattice.dimension == 2 ? "use d2q5" : "use d3q7");
   if (!(options.tolerance > 0) || options.tolerance >= 1)
     throw ParameterError(fmt::format("tolerance {} is not between 0 and 1", options.tolerance),
       "ask for the relative error of the face fluxes, for instance 1e-8");
@@ -414,6 +443,8 @@ void SteadyDiffusion::flux(std::span<double> out) const
 
 Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts, int ranks) noexcept
 {
+  if (stencil == Stencil::Q1)
+    return Method::Multigrid;
   const bool lean = lattice.dimension == 3 && stencil == Stencil::D3Q7;
   if (!everyNodeConducts)
     return lean && ranks == 1 ? Method::PieceMultigrid : Method::AlgebraicMultigrid;
@@ -423,6 +454,8 @@ Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts, 
 std::uint64_t estimateBytes(const Lattice& lattice, Stencil stencil, Method method, std::int64_t conducting)
 {
   const bool diagonal = stencil == Stencil::D2Q9 || stencil == Stencil::D3Q19;
+  if (stencil == Stencil::Q1)
+    return elementBytes(lattice);
   if (method == Method::AlgebraicMultigrid)
   {
     const std::uint64_t entries = lattice.dimension == 2 ? (diagonal ? 9 : 5) : (diagonal ? 19 : 7);

@@ -17,6 +17,7 @@ namespace lamella::lbm
 {
 
 struct LinkTable;
+struct DirectedDiffusivity;
 
 /// What a link conducts, by the ids at its two ends: link[a * ids + b], symmetric, finite, ≥ 0, in the unit of the
 /// diffusivities. A node's own, link[a * ids + a], is what it conducts to a wall, and its diffusivity.
@@ -31,7 +32,8 @@ enum class Stencil
   D2Q5,
   D2Q9,
   D3Q7,
-  D3Q19
+  D3Q19,
+  Q1 ///< no links: trilinear elements between the corners of voxels, in pictures bilinear ones
 };
 [[nodiscard]] const char* name(Stencil stencil) noexcept;
 
@@ -76,6 +78,8 @@ struct SteadyOptions
   /// Conductivities of the links one by one instead of harmonic means of the phases': D2Q5, or with diagonals D2Q9
   /// (linksOf(), directedLinks()).
   std::shared_ptr<const LinkTable> links;
+  /// With Q1: a tensor in every node, of the whole lattice. The diffusivities are then directed->larger(). Or none.
+  std::shared_ptr<const DirectedDiffusivity> directed;
 };
 
 using lamella::Block;
@@ -104,7 +108,8 @@ struct SteadyResult
 /// state of two-relaxation-time lattice Boltzmann with Λ⁺Λ⁻ = ¼: link conductance 6 w_q × harmonic mean of the two
 /// diffusivities, 12 D w_q to a wall value half-way, diagonal links reflected specularly at insulated sides.
 ///
-/// With D2Q5 and D3Q7 this is the cell-centred finite volume scheme with harmonic faces.
+/// With D2Q5 and D3Q7 this is the cell-centred finite volume scheme with harmonic faces. Q1 is another scheme: elements
+/// (ElementSystem.h), for tensors of any ratio and direction, on one rank.
 ///
 /// Solved by multigrid (Method). Multigrid and AlgebraicMultigrid: conjugate gradients in single precision,
 /// preconditioned by one cycle, on a field and its residual in double. LeanMultigrid and PieceMultigrid: plain cycles

@@ -51,6 +51,7 @@ void setLattice(Picture& picture, const std::string& name, std::int64_t nx, std:
   int dimension, const std::optional<MetadataSize>& said, const ReadOptions& options)
 {
   double spacing = 1;
+  std::array<double, 3> aspect{ 1, 1, 1 };
   picture.pixelSizeSource = "none";
   if (options.pixelSize)
   {
@@ -65,19 +66,19 @@ void setLattice(Picture& picture, const std::string& name, std::int64_t nx, std:
                          micrometres(size->x), micrometres(size->y)),
         "resample it to square pixels or, if that is wrong, give the pixel size in metres");
     }
-    else if (dimension == 3 && size->z && std::abs(size->x - *size->z) > 1e-2 * size->x)
-    {
-      throw InputError(fmt::format("the voxels of '{}' are not cubes: {} says {} across and {} between slices", name,
-                         size->source, micrometres(size->x), micrometres(*size->z)),
-        "resample it to cubes or, if that is wrong, give the pixel size in metres");
-    }
-    else
-    {
-      spacing = size->x;
-      picture.pixelSizeSource = size->source;
-    }
+    spacing = size->x;
+    picture.pixelSizeSource = size->source;
+    if (dimension == 3 && size->z && std::abs(size->x - *size->z) > 1e-2 * size->x)
+      aspect[2] = *size->z / size->x;
   }
-  picture.lattice = makeLattice(nx, ny, nz, dimension, spacing);
+  if (options.sliceDistance && dimension == 3)
+  {
+    if (picture.pixelSizeSource == "none")
+      throw ParameterError(fmt::format("a distance of slices of {} and no pixel size", micrometres(*options.sliceDistance)),
+        "give the pixel size, too: it says how far apart nodes are within a slice");
+    aspect[2] = *options.sliceDistance / spacing;
+  }
+  picture.lattice = makeLattice(nx, ny, nz, dimension, spacing, aspect);
   picture.fileSize = picture.lattice.size;
   if (options.sizeKnown)
     options.sizeKnown(picture.lattice);
@@ -102,7 +103,7 @@ Box keptBox(const Lattice& whole, const std::optional<Window>& window)
 
 void setSize(Lattice& lattice, const std::array<std::int64_t, 3>& size)
 {
-  lattice = makeLattice(size[0], size[1], size[2], lattice.dimension, lattice.spacing);
+  lattice = makeLattice(size[0], size[1], size[2], lattice.dimension, lattice.spacing, lattice.aspect);
 }
 
 void checkSize(const FileBytes& file, const Probe& probe)
@@ -254,15 +255,27 @@ RawLayout layoutOf(const fs::path& path, const ReadOptions& options, RawHeader h
   return rawLayout(path, said);
 }
 
-/// Numbers of a file become greys, if they are some.
+/// Numbers of a file become greys, if they are some, or levels.
 template <typename Value>
-void toGreys(const std::vector<std::uint8_t>& bytes, std::uint16_t* to, const std::string& name)
+void toGreys(const std::vector<std::uint8_t>& bytes, std::uint16_t* to, const std::string& name,
+  const std::optional<EvenGreys>& levels)
 {
   constexpr auto most = static_cast<double>(std::numeric_limits<std::uint16_t>::max());
   const auto* const from = reinterpret_cast<const Value*>(bytes.data());
   if constexpr (std::is_unsigned_v<Value> && sizeof(Value) <= 2)
   {
     std::copy_n(from, bytes.size() / sizeof(Value), to);
+    return;
+  }
+  if (levels)
+  {
+    for (std::size_t i = 0; i < bytes.size() / sizeof(Value); ++i)
+    {
+      const auto value = static_cast<double>(from[i]);
+      if (std::isnan(value))
+        throw InputError(fmt::format("'{}' holds values that are no numbers", name), "give every voxel a grey");
+      to[i] = levels->of(value);
+    }
     return;
   }
   for (std::size_t i = 0; i < bytes.size() / sizeof(Value); ++i)
@@ -278,9 +291,10 @@ void toGreys(const std::vector<std::uint8_t>& bytes, std::uint16_t* to, const st
   }
 }
 
-void toGreys(NumberType type, const std::vector<std::uint8_t>& bytes, std::uint16_t* to, const std::string& name)
+void toGreys(NumberType type, const std::vector<std::uint8_t>& bytes, std::uint16_t* to, const std::string& name,
+  const std::optional<EvenGreys>& levels)
 {
-  const auto as = [&](auto value) { toGreys<decltype(value)>(bytes, to, name); };
+  const auto as = [&](auto value) { toGreys<decltype(value)>(bytes, to, name, levels); };
   const bool plus = type.kind == 'u';
   const bool real = type.kind == 'f';
   switch (type.bytes)
@@ -387,7 +401,7 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
       }
       else
       {
-        toGreys(layout.type, bytes, picture.grey.data() + at, name);
+        toGreys(layout.type, bytes, picture.grey.data() + at, name, options.levels);
       }
       at += count;
     });
@@ -395,6 +409,8 @@ Picture readRaw(const fs::path& path, const ReadOptions& options)
   if (!seen.colour)
     picture.colour = {};
   const bool usual = layout.type.kind == 'u' && layout.type.bytes <= 2;
+  if (!usual)
+    picture.levels = options.levels;
   const bool small = !usual && std::ranges::all_of(picture.grey, [](std::uint16_t grey) { return grey < 256; });
   picture.bits = usual ? 8 * layout.type.bytes : small ? 8 : 16;
   return picture;

@@ -7,11 +7,14 @@
 #include "vtkMath.h"
 #include "vtkSteadyDiffusion.h"
 #include "vtkUnsignedCharArray.h"
+#include "vtkUnsignedShortArray.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <string>
 #include <vector>
 
 namespace
@@ -72,6 +75,79 @@ TEST(SteadyDiffusion, LaminateIsExactInThreeDimensions)
   EXPECT_NEAR(k[0], series, exact * series);
   EXPECT_NEAR(k[4], parallel, exact * parallel);
   EXPECT_NEAR(k[8], parallel, exact * parallel);
+}
+
+TEST(SteadyDiffusion, VoxelsNeedNotBeCubes)
+{
+  const vtkSmartPointer<vtkImageData> image = picture(12, 8, 6, layersAcrossX);
+  image->SetSpacing(3, 1, 2);
+  const auto filter = solver(image, vtkSteadyDiffusion::ALL);
+  ASSERT_EQ(errorOf(filter), "");
+  const double* const k = filter->GetEffectiveConductivity();
+  EXPECT_NEAR(k[0], series, exact * series);
+  EXPECT_NEAR(k[4], parallel, exact * parallel);
+  EXPECT_NEAR(k[8], parallel, exact * parallel);
+  double mean[3] = { 0, 0, 0 }; // of the flux per metre: the effective conductivity over the length
+  vtkImageData* const output = filter->GetOutput();
+  vtkDataArray* const flux = output->GetPointData()->GetArray("flux_x");
+  for (vtkIdType i = 0; i < flux->GetNumberOfTuples(); ++i)
+    mean[0] += flux->GetComponent(i, 0) / static_cast<double>(flux->GetNumberOfTuples());
+  EXPECT_NEAR(mean[0], series / 36, 1e-5);
+  EXPECT_EQ(output->GetSpacing()[2], 2);
+}
+
+/// A ball whose surface is a voxel wide.
+template <class Array>
+vtkSmartPointer<vtkImageData> greyBall(double none, double all)
+{
+  constexpr int n = 24;
+  const vtkSmartPointer<vtkImageData> image = picture(n, n, n, [](int, int, int) { return 0; });
+  vtkNew<Array> grey;
+  grey->SetName("grey");
+  for (int i = 0; i < n * n * n; ++i)
+  {
+    const double distance = std::hypot(i % n - 11.2, i / n % n - 11.7, i / n / n - 11.4); // NOLINT(bugprone-integer-division)
+    grey->InsertNextValue(static_cast<typename Array::ValueType>(
+      std::round((none + (all - none) * std::clamp(9.3 - distance, 0.0, 1.0)) * 1000) / 1000));
+  }
+  image->GetPointData()->Initialize();
+  image->GetPointData()->SetScalars(grey);
+  return image;
+}
+
+double conductivityOfBall(vtkImageData* image, double none, double all)
+{
+  vtkNew<vtkSteadyDiffusion> filter;
+  filter->SetInputData(image);
+  filter->SetInputArrayToProcess(0, 0, 0, 0, "grey");
+  filter->SetConductivity("low", 1);
+  filter->SetConductivity("high", 10);
+  filter->SetShares(none, all);
+  filter->SetDirection(vtkSteadyDiffusion::X);
+  EXPECT_EQ(errorOf(filter), "");
+  return filter->GetEffectiveConductivity()[0];
+}
+
+TEST(SteadyDiffusion, SharesComeFromGreysOfAnyType)
+{
+  const double bytes = conductivityOfBall(greyBall<vtkUnsignedCharArray>(40, 220), 40, 220);
+  EXPECT_GT(bytes, 1.2);
+  // the same numbers, so the same greys
+  EXPECT_DOUBLE_EQ(conductivityOfBall(greyBall<vtkIntArray>(40, 220), 40, 220), bytes);
+  // 181 greys beside 255: shares differ by up to 1/360
+  EXPECT_NEAR(conductivityOfBall(greyBall<vtkUnsignedShortArray>(4000, 61000), 4000, 61000) / bytes, 1, 1e-3);
+  EXPECT_NEAR(conductivityOfBall(greyBall<vtkFloatArray>(-0.3F, 1.7F), -0.3, 1.7) / bytes, 1, 1e-3);
+  EXPECT_NEAR(conductivityOfBall(greyBall<vtkFloatArray>(1.7F, -0.3F), 1.7, -0.3) / bytes, 1, 1e-3);
+
+  const vtkSmartPointer<vtkImageData> none = greyBall<vtkFloatArray>(0, 1.5);
+  none->GetPointData()->GetArray("grey")->SetComponent(77, 0, std::nan(""));
+  vtkNew<vtkSteadyDiffusion> filter;
+  filter->SetInputData(none);
+  filter->SetInputArrayToProcess(0, 0, 0, 0, "grey");
+  filter->SetConductivity("low", 1);
+  filter->SetConductivity("high", 10);
+  filter->SetShares(0, 1.5);
+  EXPECT_NE(errorOf(filter).find("no numbers"), std::string::npos);
 }
 
 TEST(SteadyDiffusion, EmptyBoxConductsAsItsMaterial)
@@ -405,7 +481,15 @@ TEST(SteadyDiffusion, InputThatCannotBeUsedIsRefusedInWords)
     { "no path", [](auto* f, auto*) { f->SetConductivity("b", 0); }, { "no conducting path", "along x" } },
     { "z in 2D", [](auto* f, auto*) { f->SetDirection(vtkSteadyDiffusion::Z); }, { "two-dimensional" } },
     { "lattice", [](auto* f, auto*) { f->SetLattice(vtkSteadyDiffusion::D3Q7); }, { "d3q7", "d2q5" } },
-    { "spacing", [](auto*, auto* i) { i->SetSpacing(1, 3, 1); }, { "same positive spacing" } },
+    { "spacing", [](auto*, auto* i) { i->SetSpacing(1, -3, 1); }, { "spacings are positive" } },
+    { "no spacing", [](auto*, auto* i) { i->SetSpacing(1, 0, 1); }, { "spacings are positive" } },
+    { "diagonals",
+      [](auto* f, auto* i)
+      {
+        i->SetSpacing(1, 3, 1);
+        f->SetLattice(vtkSteadyDiffusion::D2Q9);
+      },
+      { "go with straight links", "d2q9" } },
     { "empty", [](auto*, auto* i) { i->Initialize(); }, { "has no nodes" } },
   };
   for (const Case& test : cases)

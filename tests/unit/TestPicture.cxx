@@ -284,10 +284,16 @@ TEST(Picture, TiffOfImageJAndOme)
   EXPECT_EQ(picture.pixelSizeSource, "ImageJ");
   tiff.pages[0][270].text = "ImageJ=1.54f\nunit=micron\nspacing=2.0\n";
   const auto file = folder.write("a.tif", tiff.bytes());
-  EXPECT_TRUE(contains(refused(file).first, "not cubes"));
+  EXPECT_DOUBLE_EQ(readPicture(file).lattice.spacingAlong(0), 0.5e-6);
+  EXPECT_DOUBLE_EQ(readPicture(file).lattice.spacingAlong(2), 2e-6);
+  EXPECT_DOUBLE_EQ(readPicture(file).lattice.origin[2], 1e-6);
   ReadOptions options;
+  options.sliceDistance = 1.5e-6;
+  EXPECT_DOUBLE_EQ(readPicture(file, options).lattice.spacingAlong(2), 1.5e-6);
+  options.sliceDistance.reset();
   options.pixelSize = 1e-6;
   EXPECT_EQ(readPicture(file, options).lattice.spacing, 1e-6);
+  EXPECT_TRUE(readPicture(file, options).lattice.cubes());
 
   tiff.pages = {
     { { 270, { 2, {}, "<OME xmlns=\"x\"><Pixels PhysicalSizeX=\"0.65\" PhysicalSizeY=\"0.65\"/></OME>" } } }

@@ -18,12 +18,12 @@ using namespace lamella;
 using namespace lamella::lbm;
 using namespace lamella::test;
 
-using Axis = std::array<float, 2>;
+using Axis = std::array<float, 3>;
 using Tensor = std::array<double, 3>; // xx, xy, yy
 
 Axis axisAt(double angle)
 {
-  return { static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)) };
+  return { static_cast<float>(std::cos(angle)), static_cast<float>(std::sin(angle)), 0.0F };
 }
 
 Tensor tensorAt(double angle, double along, double across)

@@ -124,7 +124,8 @@ private:
       {
         const double* const greys = filter_->GetShares();
         const bool shares = greys[0] != 0 || greys[1] != 0;
-        sample_ = loadSample(options_.picture, check, shares);
+        sample_ = loadSample(
+          options_.picture, check, shares ? std::optional(EvenGreys{ greys[0], greys[1] }) : std::nullopt);
         Session::checkInterrupt();
         tellDoubts(session_, sample_);
         const Lattice& lattice = sample_.image.lattice;

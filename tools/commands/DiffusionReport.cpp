@@ -190,6 +190,7 @@ std::string toJson(const DiffusionReport& report)
   }
   const bool known = report.sample->pixelSizeSource != "none";
   json["pixel_size"] = known ? Json(lattice.spacing) : Json(nullptr);
+  json["slice_distance"] = known && dimension == 3 ? Json(lattice.spacingAlong(2)) : Json(nullptr);
   json["pixel_size_source"] = report.sample->pixelSizeSource;
   json["warnings"] = report.sample->warnings;
   if (report.sample->segmentation)
@@ -211,6 +212,15 @@ std::string toJson(const DiffusionReport& report)
 
 namespace
 {
+
+/// Edges of a voxel [µm]; of a cube one.
+std::string voxelText(const Lattice& lattice)
+{
+  const auto edge = [&](int axis) { return fmt::format("{:.6g}", lattice.spacingAlong(axis) * 1e6); };
+  if (lattice.cubes())
+    return edge(0);
+  return edge(0) + " × " + edge(1) + (lattice.dimension == 3 ? " × " + edge(2) : "");
+}
 
 /// What it took to come to the target.
 std::string stepsText(const DiffusionReport& report)
@@ -241,7 +251,7 @@ std::string toTable(const DiffusionReport& report)
   std::string text = fmt::format(
     "{}: {} {}", report.file, sizeText(lattice.size, lattice.dimension), lattice.dimension == 3 ? "voxels" : "pixels");
   text += report.sample->pixelSizeSource == "none" ? ", pixel size unknown"
-                                                   : fmt::format(" of {:g} µm", lattice.spacing * 1e6);
+                                                   : fmt::format(" of {} µm", voxelText(lattice));
   text += refinement > 1
     ? fmt::format(", each split into {}\n\n",
         lattice.dimension == 3 ? fmt::format("{0} × {0} × {0}", refinement) : fmt::format("{0} × {0}", refinement))

@@ -242,6 +242,8 @@ Json pictureJson(const RawOptions& options)
   json["colour"] = !picture.colour.empty();
   json["pixel_size_source"] = picture.pixelSizeSource;
   json["pixel_size"] = picture.pixelSizeSource == "none" ? Json(nullptr) : Json(picture.lattice.spacing);
+  json["slice_distance"] =
+    picture.pixelSizeSource == "none" || dimension == 2 ? Json(nullptr) : Json(picture.lattice.spacingAlong(2));
   json["warnings"] = picture.warnings;
 
   std::vector<std::int64_t> count(65536, 0);
@@ -358,6 +360,8 @@ std::string headText(const Json& json)
       ? "pixel size unknown"
       : fmt::format("pixel size {:.6g} µm ({})", json["pixel_size"].get<double>() * 1e6,
           json["pixel_size_source"].get<std::string>());
+    if (const Json& slices = json["slice_distance"]; !slices.is_null() && slices != json["pixel_size"])
+      text += fmt::format(", {:.6g} µm from slice to slice", slices.get<double>() * 1e6);
   }
   if (json.contains("spacing"))
     text += "; spacing " + listText(json["spacing"]) + " m, origin " + listText(json["origin"]) + " m";

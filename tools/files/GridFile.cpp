@@ -198,7 +198,7 @@ vtkSmartPointer<vtkDataObject> readGrid(const std::string& path, const SizeKnown
   {
     const auto data = Workspace::find(path);
     if (auto* const image = vtkImageData::SafeDownCast(data); image != nullptr && sizeKnown)
-      sizeKnown(latticeOf(image));
+      sizeKnown(latticeOf(image, Voxels::Any));
     return data;
   }
   requireFile(path);

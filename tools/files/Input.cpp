@@ -180,7 +180,7 @@ void checkSize(
   {
     (void)firstNode(whole, *window);
     kept = makeLattice(
-      window->size[0], window->size[1], whole.dimension == 2 ? 1 : window->size[2], whole.dimension, whole.spacing);
+      window->size[0], window->size[1], whole.dimension == 2 ? 1 : window->size[2], whole.dimension, whole.spacing, whole.aspect);
   }
   if (check)
     check(kept);
@@ -199,10 +199,12 @@ void checkSize(
 
 } // namespace
 
-Sample loadSample(const PictureOptions& options, const SampleCheck& check, bool greys)
+Sample loadSample(
+  const PictureOptions& options, const SampleCheck& check, const std::optional<EvenGreys>& greys)
 {
   lamella::PictureOptions how = readerOptions(options);
   how.read.sizeKnown = [&](const Lattice& whole) { checkSize(options, whole, how.window, check); };
+  how.read.levels = greys;
   if (!greys)
     how.unnamed = [&](const micrograph::Picture& picture) { refuseUnnamed(options, picture); };
   requirePicture(options.file);

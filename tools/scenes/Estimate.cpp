@@ -214,11 +214,11 @@ Estimator::Estimator(const Scene& scene, const Rehearsal& first)
     const auto data = Workspace::find(stage.outputs.at("output"));
     if (auto* const image = vtkImageData::SafeDownCast(data))
     {
-      const Lattice lattice = latticeOf(image);
+      const Lattice lattice = latticeOf(image, Voxels::Any);
       nodes_ = static_cast<double>(lattice.count());
       dimension_ = lattice.dimension;
       spacing_ = lattice.spacing;
-      const PhaseImage phases = toPhaseImage(image);
+      const PhaseImage phases = toPhaseImage(image, "phase", Voxels::Any);
       solid_ = 0;
       for (std::size_t id = 0; id < phases.phases.size(); ++id)
         solid_ += isVoidName(phases.phases.names()[id]) ? 0 : phases.fractions()[id];

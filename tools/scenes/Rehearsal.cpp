@@ -183,7 +183,7 @@ void Rehearsal::checkPhasesOfMeasures() const
   {
     const auto data = Workspace::find(stage.outputs.at("output"));
     if (auto* const image = vtkImageData::SafeDownCast(data))
-      phases = toPhaseImage(image).phases.names();
+      phases = toPhaseImage(image, "phase", Voxels::Any).phases.names();
   }
   std::vector<std::string> known = phases;
   known.emplace_back("all"); // of stress-pdf

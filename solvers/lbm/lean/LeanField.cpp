@@ -135,14 +135,16 @@ RowSide LeanField::side(std::int64_t y, std::int64_t z, int part, int axis, int 
   const bool ours = axis == 1 ? (step < 0 ? y > 0 : y < g.ny - 1) : (step < 0 ? z > 0 : z < g.nz - 1);
   const bool falls = problem_.axis == axis;
   const float sign = step < 0 ? 1.0F : -1.0F;
+  const auto factor = static_cast<float>(links_.factor(axis));
   if (ours || level_.halo.inside(axis, step))
   {
     const std::int64_t otherY = axis == 1 ? y + step : y;
     const std::int64_t otherZ = axis == 2 ? z + step : z;
-    return { phases_(otherY, otherZ), v_.data() + g.row(otherY, otherZ) + g.shift(part, 0), 1.0F, falls ? sign : 0.0F };
+    return { phases_(otherY, otherZ), v_.data() + g.row(otherY, otherZ) + g.shift(part, 0), factor, falls ? sign : 0.0F,
+      false };
   }
   const bool wall = links_.boundary(axis) == Boundary::Fixed;
-  return { phases_(y, z), nothing_.data(), wall ? 2.0F : 0.0F, wall ? 0.5F * sign : 0.0F };
+  return { phases_(y, z), nothing_.data(), wall ? 2.0F * factor : 0.0F, wall ? 0.5F * sign : 0.0F, true };
 }
 
 PhaseRow LeanField::row(std::int64_t y, std::int64_t z, int part) const
@@ -256,7 +258,7 @@ void LeanField::linkRow(int d, std::int64_t y, std::int64_t z, float* out) const
 {
   const Grid& g = level_.grid;
   const std::uint8_t* here = phases_(y, z);
-  const auto wall = [&](std::uint8_t id) { return static_cast<float>(links_.wall(id)); };
+  const auto wall = [&](std::uint8_t id) { return static_cast<float>(links_.wall(id, d)); };
   const bool fixed = links_.boundary(d) == Boundary::Fixed;
   if (d == 0)
   {
@@ -271,7 +273,12 @@ void LeanField::linkRow(int d, std::int64_t y, std::int64_t z, float* out) const
   const std::int64_t rows = d == 1 ? g.ny : g.nz;
   const bool below = from < 0;
   if ((from >= 0 && from < rows - 1) || level_.halo.inside(d, below ? -1 : 1))
+  {
     phaseKernels().links(table_, g.nx, here, d == 1 ? phases_(y + 1, z) : phases_(y, z + 1), out + 1);
+    if (const auto factor = static_cast<float>(links_.factor(d)); factor != 1.0F)
+      for (std::int64_t x = 0; x < g.nx; ++x)
+        out[x + 1] *= factor;
+  }
   else
     for (std::int64_t x = 0; x < g.nx; ++x) // beyond the box: the wall of the node next to it
       out[x + 1] = !fixed ? 0.0F : wall((below ? (d == 1 ? phases_(0, z) : phases_(y, 0)) : here)[x]);
@@ -298,8 +305,8 @@ void LeanField::countConductance()
           sum[0] += links_.mean(here[g.nx - 1], here[0]);
         else
         {
-          sum[0] += links_.wall(here[0]);
-          sum[n] += links_.wall(here[g.nx - 1]);
+          sum[0] += links_.wall(here[0], axis);
+          sum[n] += links_.wall(here[g.nx - 1], axis);
         }
         return;
       }
@@ -314,11 +321,12 @@ void LeanField::countConductance()
       if (p < n - 1 || periodic)
       {
         const std::uint8_t* there = axis == 1 ? phases_(y + 1, z) : phases_(y, z + 1);
-        sum[p == n - 1 ? 0 : p + 1] += total([&](std::int64_t x) { return links_.mean(here[x], there[x]); });
+        sum[p == n - 1 ? 0 : p + 1] += 
+          total([&](std::int64_t x) { return links_.factor(axis) * links_.mean(here[x], there[x]); });
       }
       for (const std::int64_t face : { std::int64_t{ 0 }, n - 1 })
         if (!periodic && p == face)
-          sum[face == 0 && p == 0 ? 0 : n] += total([&](std::int64_t x) { return links_.wall(here[x]); });
+          sum[face == 0 && p == 0 ? 0 : n] += total([&](std::int64_t x) { return links_.wall(here[x], axis); });
       if (!periodic && n == 1)
         sum[1] = sum[0];
     });
@@ -423,7 +431,8 @@ double LeanField::roundOff() const
   constexpr double lastPlace = std::numeric_limits<float>::epsilon();
   const double unit = 1.0 / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]);
   const double total = problem_.comm.sum(std::accumulate(parts.begin(), parts.end(), 0.0));
-  return 2.0 * problem_.lattice.dimension * lastPlace * lastPlace / 12.0 * unit * unit * total;
+  const double around = 2.0 * (links_.factor(0) + links_.factor(1) + (problem_.lattice.dimension == 3 ? links_.factor(2) : 0));
+  return around * lastPlace * lastPlace / 12.0 * unit * unit * total;
 }
 
 void LeanField::apply(const PlaneBalance& balance)

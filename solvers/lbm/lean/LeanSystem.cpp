@@ -291,7 +291,11 @@ private:
 
 } // namespace
 
-bool leanFits(const Problem& problem)
+namespace
+{
+
+// Straight links, and sizes that blocks of nodes fill.
+bool blocksFit(const Problem& problem)
 {
   if (problem.table != nullptr ||
     (problem.options.stencil != Stencil::D2Q5 && problem.options.stencil != Stencil::D3Q7))
@@ -303,6 +307,28 @@ bool leanFits(const Problem& problem)
     if (periodic[a] && problem.lattice.size[a] % 2 != 0)
       return false;
   return true;
+}
+
+// Blocks of 2 × 2 × 2 nodes want links that are alike along all axes: beyond a ratio of spacings of 2 they correct too
+// much along the weak one.
+bool nearlyCubes(const Lattice& lattice)
+{
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (lattice.size[a] > 1)
+    {
+      least = std::min(least, lattice.aspect[a]);
+      most = std::max(most, lattice.aspect[a]);
+    }
+  return most <= 2.1 * least;
+}
+
+} // namespace
+
+bool leanFits(const Problem& problem)
+{
+  return blocksFit(problem) && nearlyCubes(problem.lattice);
 }
 
 std::uint64_t leanBytes(const Lattice& lattice)
@@ -331,7 +357,7 @@ std::unique_ptr<Backend> makeLeanSystem(const Problem& problem)
 
 bool piecesFit(const Problem& problem)
 {
-  return leanFits(problem) && !problem.comm.parallel();
+  return blocksFit(problem) && !problem.comm.parallel();
 }
 
 std::unique_ptr<Backend> makePieceSystem(const Problem& problem)

@@ -18,13 +18,15 @@ struct PhaseLinks
   const float* single = nullptr;
 };
 
-/// A node or wall beside a half-row, or nothing: weight 0. A wall: the row's own phases, values of 0, weight 2.
+/// A node or wall beside a half-row, or nothing: weight 0. A wall: the row's own phases, values of 0, twice the weight
+/// of a link.
 struct RowSide
 {
   const std::uint8_t* phase; ///< natural order, of x = 0
   const float* value;        ///< of the same half as the row
   float weight;
   float offset; ///< added to value there less value here
+  bool wall;
 };
 
 /// What follows the first or the last node of a whole row along x.

@@ -261,7 +261,7 @@ void sumsWith(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, dou
   for (int k = 0; k < 4; ++k)
   {
     const RowSide& side = row.side[k];
-    const bool wall = side.weight != 1.0F;
+    const bool wall = side.wall;
     if (side.weight == 0.0F || (!wall && k % 2 == 0))
       continue;
     const double weight = side.weight;

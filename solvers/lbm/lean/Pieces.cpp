@@ -14,6 +14,8 @@ namespace
 constexpr int pieceSweeps = 3; // before and after
 // Links of at least this part of the strongest ones join nodes; halved from level to level.
 constexpr double strongPart = 0.25;
+// The same for all links along an axis, where spacings differ.
+constexpr double strongAxis = 0.1;
 // Small enough to be solved directly.
 constexpr std::size_t coarsestCount = 1000;
 // A level that is not smaller than this part of the one before ends the coarsening.
@@ -56,6 +58,19 @@ struct Few
     sum.push_back(value);
   }
 };
+
+// Where spacings differ, links along an axis may be weak altogether.
+std::array<bool, 3> strongAxes(const Links& links, const std::array<std::int64_t, 3>& size)
+{
+  double strongest = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (size[a] > 1)
+      strongest = std::max(strongest, links.factor(static_cast<int>(a)));
+  std::array<bool, 3> strong{};
+  for (std::size_t a = 0; a < 3; ++a)
+    strong[a] = size[a] == 1 || links.factor(static_cast<int>(a)) >= strongAxis * strongest;
+  return strong;
+}
 
 std::size_t blockCount(const std::array<std::int64_t, 3>& blocks)
 {
@@ -154,6 +169,8 @@ void PieceMultigrid::label(const LeanField& field)
       joined[static_cast<std::size_t>(a) * 256 + b] = strong ? 1 : 0;
       everyLink_ = everyLink_ && (strong || !(link > 0));
     }
+  const std::array<bool, 3> alongJoined = strongAxes(field.links(), size);
+  everyLink_ = everyLink_ && alongJoined == std::array<bool, 3>{ true, true, true };
   forBlockRows(first.blocks,
     [&](std::int64_t by, std::int64_t bz)
     {
@@ -184,7 +201,7 @@ void PieceMultigrid::label(const LeanField& field)
             {
               const auto i = static_cast<std::size_t>(n);
               const auto j = static_cast<std::size_t>(n | step);
-              if ((n & step) != 0 || id[i] < 0 || id[j] < 0 || label[i] == label[j] ||
+              if ((n & step) != 0 || !alongJoined[static_cast<std::size_t>(step / 2)] || id[i] < 0 || id[j] < 0 || label[i] == label[j] ||
                 joined[static_cast<std::size_t>(id[i]) * 256 + static_cast<std::size_t>(id[j])] == 0)
                 continue;
               label[i] = label[j] = std::min(label[i], label[j]);
@@ -319,14 +336,17 @@ void PieceMultigrid::linkFirst(const LeanField& field)
             if (q[a] < 0 || q[a] >= size[a])
             {
               if (field.links().boundary(static_cast<int>(a)) == Boundary::Fixed)
-                f(here, PieceLevel::none, static_cast<float>(field.links().wall(id)), a);
+                f(here, PieceLevel::none, static_cast<float>(field.links().wall(id, static_cast<int>(a))), a);
               if (!periodic_[a])
                 continue;
               q[a] = (q[a] + size[a]) % size[a];
             }
             const std::uint32_t there = unknown(q);
             if (there != PieceLevel::none)
-              f(here, there, static_cast<float>(field.links().mean(id, field.phaseRow(q[1], q[2])[q[0]])), a);
+              f(here, there,
+                static_cast<float>(
+                  field.links().factor(static_cast<int>(a)) * field.links().mean(id, field.phaseRow(q[1], q[2])[q[0]])),
+                a);
           }
       }
     });

@@ -21,9 +21,10 @@ Block blockOf(const Lattice& lattice, const Team& team)
 } // namespace
 
 DiffusionScene::DiffusionScene(
-  vtkImageData* input, vtkInformation* choice, int direction, const Team& team, bool gathered)
-  : whole(uprightImage(input, team))
-  , phases(phaseIds(input, choice, team))
+  vtkImageData* input, vtkInformation* choice, int direction, const Team& team, bool gathered, Voxels voxels,
+  const std::optional<EvenGreys>& levels)
+  : whole(uprightImage(input, team, voxels))
+  , phases(phaseIds(input, choice, team, levels))
   , nodes(phases.values.size(), 0)
 {
   if (direction == 2 && whole.lattice.dimension == 2)

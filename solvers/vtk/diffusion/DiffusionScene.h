@@ -29,8 +29,10 @@ struct DiffusionScene
 {
   /// Collective. @param choice of the array of phases: vtkAlgorithm::GetInputArrayInformation()
   /// @throws Error on every rank; ParameterError for direction z of a picture
+  /// @param levels as of phaseIds()
   /// @param gathered whether every rank gets the whole image, for what is not solved in blocks of its own lattice
-  DiffusionScene(vtkImageData* input, vtkInformation* choice, int direction, const Team& team, bool gathered = false);
+  DiffusionScene(vtkImageData* input, vtkInformation* choice, int direction, const Team& team, bool gathered = false,
+    Voxels voxels = Voxels::Cubes, const std::optional<EvenGreys>& levels = {});
   DiffusionScene(const DiffusionScene&) = delete;
   DiffusionScene& operator=(const DiffusionScene&) = delete;
 

@@ -6,6 +6,8 @@
 
 #include "vtkDataArray.h"
 
+#include <algorithm>
+
 namespace lamella
 {
 
@@ -19,15 +21,16 @@ PhaseImage gatherPhases(const Lattice& lattice, const lbm::Block& held, const Ph
   return image;
 }
 
-std::vector<std::array<float, 2>> gatherAxes(
+std::vector<std::array<float, 3>> gatherAxes(
   const Lattice& lattice, const lbm::Block& held, vtkDataArray* array, const Team& team)
 {
-  using Axis = std::array<float, 2>;
+  using Axis = std::array<float, 3>;
   std::vector<Axis> own(static_cast<std::size_t>(held.count()));
   for (std::size_t i = 0; i < (array != nullptr ? own.size() : 0); ++i)
   {
     const auto node = static_cast<vtkIdType>(i);
-    own[i] = { static_cast<float>(array->GetComponent(node, 0)), static_cast<float>(array->GetComponent(node, 1)) };
+    for (int k = 0; k < std::min(3, array->GetNumberOfComponents()); ++k)
+      own[i][static_cast<std::size_t>(k)] = static_cast<float>(array->GetComponent(node, k));
   }
   std::vector<Axis> all(static_cast<std::size_t>(lattice.count()));
   const lbm::Block everything{ { 0, 0, 0 }, lattice.size };

@@ -22,9 +22,9 @@ namespace lamella
 [[nodiscard]] PhaseImage gatherPhases(
   const Lattice& lattice, const lbm::Block& held, const PhaseIds& phases, const Team& team);
 
-/// Collective. The directions along the walls of the whole image, the first two components.
+/// Collective. The directions along the walls of the whole image; of two components the third is 0.
 /// @param array of the piece; null where that is empty
-[[nodiscard]] std::vector<std::array<float, 2>> gatherAxes(
+[[nodiscard]] std::vector<std::array<float, 3>> gatherAxes(
   const Lattice& lattice, const lbm::Block& held, vtkDataArray* array, const Team& team);
 
 /// Conductivities across the walls by id, as conductivityById() has those along them; empty where no phase with nodes

@@ -5,8 +5,8 @@
  * What diffusion at rest and in time share.
  *
  * **Input**: vtkImageData with phases at its points: an array of whole numbers, `phase` unless another is chosen with
- * SetInputArrayToProcess(0, ...). Nodes are pixel centres; the spacing is the same along every axis. An image of one
- * layer along z is two-dimensional.
+ * SetInputArrayToProcess(0, ...). Nodes are pixel centres; the spacing is the same along every axis (steady
+ * diffusion takes any). An image of one layer along z is two-dimensional.
  *
  * **Directions**: x from left to right, y in two dimensions from the top of the picture to its bottom, in three
  * dimensions along rising y; z along rising z.

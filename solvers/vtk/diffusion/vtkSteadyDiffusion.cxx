@@ -306,7 +306,9 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
       "leave out the refinement, the target error and the second conductivity: two spacings give the error");
   const bool gathered =
     this->EstimateError || this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty() || shares;
-  const lamella::DiffusionScene scene(input, this->GetInputArrayInformation(0), this->Direction, team, gathered);
+  const lamella::DiffusionScene scene(input, this->GetInputArrayInformation(0), this->Direction, team, gathered,
+    lamella::Voxels::Any,
+    shares ? std::optional(lamella::EvenGreys{ this->Shares[0], this->Shares[1] }) : std::nullopt);
   this->Prepare(input, scene, team);
   FieldStore store(this, scene, team);
   gathered ? this->SolveGathered(scene, store, team) : this->SolveInBlocks(scene, store, team);

@@ -113,7 +113,8 @@ public:
   /**
    * The image is grey, not labels: the greys of nodes that hold nothing of the phase `high`, and that are all of it;
    * what is between holds a part, which tells where in a node the surface lies. The conductivities are then those of
-   * `low` and `high`. Not given (both 0): the image holds phases. At most 256 greys.
+   * `low` and `high`. Not given (both 0): the image holds phases. Where there
+   * are more than 256 greys, or some are no whole numbers, they count as the nearest of 255 from none to all.
    * @title Greys of none and of all
    * @group Materials
    * @columns none, all

@@ -99,7 +99,7 @@ std::optional<Lattice> latticeInFile(vtkXMLImageDataReader* reader)
     return std::nullopt;
   try
   {
-    return latticeOf(extent, origin, spacing);
+    return latticeOf(extent, origin, spacing, Voxels::Any);
   }
   catch (const Error&)
   {

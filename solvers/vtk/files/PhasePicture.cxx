@@ -40,9 +40,11 @@ bool isRaw(const fs::path& path)
   return endingOf(path) == ".raw" || endingOf(path) == ".bin";
 }
 
-void setSpacing(Lattice& lattice, double spacing)
+/// What is told of a size; without a distance of slices voxels are cubes.
+void setSpacing(Lattice& lattice, double spacing, const std::optional<double>& sliceDistance)
 {
-  lattice = makeLattice(lattice.size[0], lattice.size[1], lattice.size[2], lattice.dimension, spacing);
+  lattice = makeLattice(lattice.size[0], lattice.size[1], lattice.size[2], lattice.dimension, spacing,
+    { 1, 1, lattice.dimension == 3 ? sliceDistance.value_or(spacing) / spacing : 1 });
 }
 
 vtkSmartPointer<vtkImageData> readVti(const fs::path& path, const micrograph::ReadOptions& options)
@@ -127,18 +129,30 @@ micrograph::Picture greysOf(vtkImageData* image, const ImageArray& chosen, const
       }
     }
   }
-  picture.lattice = latticeOf(extent.data(), origin.data(), image->GetSpacing());
+  picture.lattice = latticeOf(extent.data(), origin.data(), image->GetSpacing(), Voxels::Any);
   picture.pixelSizeSource = fieldText(image, "pixel_size_source").value_or("VTK image spacing");
-  if (options.pixelSize)
+  if (options.pixelSize || options.sliceDistance)
   {
-    setSpacing(picture.lattice, *options.pixelSize);
+    setSpacing(picture.lattice, options.pixelSize.value_or(picture.lattice.spacing), options.sliceDistance);
     picture.pixelSizeSource = "option";
   }
   const vtkIdType count = chosen.array->GetNumberOfTuples();
+  const int type = chosen.array->GetDataType();
+  const bool real = options.levels && type != VTK_UNSIGNED_CHAR && type != VTK_UNSIGNED_SHORT;
+  if (real)
+    picture.levels = options.levels;
   picture.grey.resize(static_cast<std::size_t>(count));
   for (vtkIdType node = 0; node < count; ++node)
   {
     const double value = chosen.array->GetComponent(node, 0);
+    if (options.levels && std::isnan(value))
+      throw InputError("array '" + std::string(chosen.array->GetName()) + "' holds values that are no numbers",
+        "give every node a grey");
+    if (real)
+    {
+      picture.grey[static_cast<std::size_t>(node)] = options.levels->of(value);
+      continue;
+    }
     if (!(value >= 0 && value <= std::numeric_limits<std::uint16_t>::max()) || value != std::floor(value))
     {
       throw InputError("array '" + std::string(chosen.array->GetName()) + "' holds " + std::to_string(value) +
@@ -192,6 +206,23 @@ GreyMap everyGrey(const micrograph::Picture& picture)
   return map;
 }
 
+/// Every grey a phase of its own, or every level where there are too many.
+PhaseImage leveled(const micrograph::Picture& picture, const EvenGreys& levels)
+{
+  std::vector<bool> seen(65536, false);
+  for (const std::uint16_t grey : picture.grey)
+    seen[grey] = true;
+  if (!picture.levels && std::ranges::count(seen, true) <= 256)
+    return everyGrey(picture).apply(picture.lattice, picture.grey);
+  PhaseImage image{ picture.lattice, {}, {} };
+  for (int level = 0; level < EvenGreys::count; ++level)
+    image.phases.add(levels.name(level));
+  image.phase.reserve(picture.grey.size());
+  for (const std::uint16_t grey : picture.grey)
+    image.phase.push_back(picture.levels ? static_cast<std::uint8_t>(grey) : levels.of(grey));
+  return image;
+}
+
 /// Phases that a .vti names; nothing where it does not, or where other greys are asked for.
 std::optional<PhasePicture> phasesOfImage(
   vtkImageData* image, const fs::path& path, const PictureOptions& options, const micrograph::ReadOptions& read)
@@ -207,7 +238,7 @@ std::optional<PhasePicture> phasesOfImage(
   PhasePicture found;
   try
   {
-    found.image = toPhaseImage(image);
+    found.image = toPhaseImage(image, "phase", Voxels::Any);
   }
   catch (const Error& error)
   {
@@ -217,9 +248,9 @@ std::optional<PhasePicture> phasesOfImage(
   found.fileSize = found.image.lattice.size;
   found.provenance = provenance(image);
   found.file = image;
-  if (read.pixelSize)
+  if (read.pixelSize || read.sliceDistance)
   {
-    setSpacing(found.image.lattice, *read.pixelSize);
+    setSpacing(found.image.lattice, read.pixelSize.value_or(found.image.lattice.spacing), read.sliceDistance);
     found.pixelSizeSource = "option";
   }
   if (options.window)
@@ -298,7 +329,8 @@ void nameGreys(PhasePicture& result, const PictureFile& file, bool ofImage, cons
   {
     if (options.unnamed)
       options.unnamed(picture);
-    result.image = everyGrey(picture).apply(picture.lattice, picture.grey);
+    result.image =
+      options.read.levels ? leveled(picture, *options.read.levels) : everyGrey(picture).apply(picture.lattice, picture.grey);
   }
 }
 
@@ -317,7 +349,7 @@ PhasePicture namedPhases(const fs::path& path, const PictureOptions& options)
     read.window = options.window;
   vtkSmartPointer<vtkImageData> image = options.data;
   if (image != nullptr)
-    read.sizeKnown(latticeOf(image));
+    read.sizeKnown(latticeOf(image, Voxels::Any));
   else if (image == nullptr && isVti(path))
     image = readVti(path, read);
   if (image != nullptr)
@@ -370,7 +402,7 @@ PictureFile readPictureFile(
     file.record = micrograph::parseRecord(file.picture.description);
   if (file.record && file.record->pixelSize && !options.pixelSize)
   {
-    setSpacing(file.picture.lattice, *file.record->pixelSize);
+    setSpacing(file.picture.lattice, *file.record->pixelSize, options.sliceDistance);
     file.picture.pixelSizeSource = "lamella record";
     // What the reader doubts about the picture's own metadata does not matter then.
     std::erase_if(
@@ -391,10 +423,10 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
 void carryAlong(vtkImageData* image, vtkImageData* file, const std::optional<Window>& window, int refine,
   const std::vector<std::string>& names)
 {
-  const Lattice whole = latticeOf(file);
+  const Lattice whole = latticeOf(file, Voxels::Any);
   const bool all = !window && refine == 1;
   const auto first = window ? firstNode(whole, *window) : std::array<std::int64_t, 3>{ 0, 0, 0 };
-  const auto nodes = all ? nullptr : nodesOfFile(latticeOf(image), whole, first, refine);
+  const auto nodes = all ? nullptr : nodesOfFile(latticeOf(image, Voxels::Any), whole, first, refine);
   vtkPointData* const held = file->GetPointData();
   for (int i = 0; i < held->GetNumberOfArrays(); ++i)
   {

@@ -104,6 +104,8 @@ lamella::PictureOptions vtkPictureReader::GetOptions() const
   options.array = this->ArrayName != nullptr ? this->ArrayName : "";
   if (this->PixelSize > 0)
     options.read.pixelSize = this->PixelSize;
+  if (this->SliceDistance > 0)
+    options.read.sliceDistance = this->SliceDistance;
   if (std::any_of(this->RawSize, this->RawSize + 3, [](int value) { return value != 0; }))
   {
     options.read.rawSize.emplace();
@@ -136,7 +138,7 @@ void vtkPictureReader::Load()
   if (picture.file != nullptr && !options.segment)
   {
     lamella::carryAlong(this->Image, picture.file, options.window, options.refine);
-    if (!options.window && options.refine == 1 && !options.read.pixelSize)
+    if (!options.window && options.refine == 1 && !options.read.pixelSize && !options.read.sliceDistance)
       carryFields(this->Image, picture.file);
   }
 }
@@ -165,7 +167,7 @@ int vtkPictureReader::RequestInformation(vtkInformation*, vtkInformationVector**
     return 1; // a panel that has just been opened; an update says that no file is named
   if (!this->Read())
     return 0;
-  lamella::announce(outputVector->GetInformationObject(0), lamella::latticeOf(this->Image));
+  lamella::announce(outputVector->GetInformationObject(0), lamella::latticeOf(this->Image, lamella::Voxels::Any));
   return 1;
 }
 

@@ -255,6 +255,17 @@ public:
   vtkSettingMacro(PixelSize, double);
 
   /**
+   * Distance of two slices of a volume in metres, where voxels are not cubes; wins over what the file says. Not given
+   * (0): what the file says, else the pixel size. Steady diffusion takes such voxels, all other solvers want cubes.
+   * @group Lattice
+   * @unit m
+   * @range (0, inf)
+   * @unset 0
+   * @advanced
+   */
+  vtkSettingMacro(SliceDistance, double);
+
+  /**
    * Raw volumes: voxels along x, y and z. Not given (0): from a name such as berea_200x200x200_u8.raw.
    * @group Raw volumes
    * @columns nx, ny, nz
@@ -332,6 +343,7 @@ private:
   int Window[6] = { 0, 0, 0, 0, 0, 0 };
   int Refinement = 1;
   double PixelSize = 0;
+  double SliceDistance = 0;
   int RawSize[3] = { 0, 0, 0 };
   int RawBits = 0;
   vtkIdType RawHeader = 0;

@@ -78,6 +78,8 @@ vtkDataArray* chosenArray(vtkImageData* piece, vtkInformation* choice)
 struct WholeNumbers
 {
   std::set<std::int64_t> distinct;
+  bool levels = false; ///< may be made of them
+  bool needed = false; ///< have to
 
   template <typename Array>
   void operator()(Array* array)
@@ -89,6 +91,14 @@ struct WholeNumbers
       const auto number = static_cast<double>(value);
       if (!first && number == last)
         continue;
+      if (levels && std::isnan(number))
+        throw InputError("array '" + std::string(array->GetName()) + "' holds values that are no numbers",
+          "give every node a grey");
+      if (levels && (needed || !(std::abs(number) < 9e15) || number != std::floor(number)))
+      {
+        needed = true;
+        continue; // more may be no numbers
+      }
       if (!(std::abs(number) < 9e15) || number != std::floor(number))
       {
         throw InputError(
@@ -99,7 +109,11 @@ struct WholeNumbers
       last = number;
       distinct.insert(static_cast<std::int64_t>(number));
       if (distinct.size() > most)
-        return;
+      {
+        needed = true;
+        if (!levels)
+          return;
+      }
     }
   }
 };
@@ -118,6 +132,20 @@ struct Renumber
       const auto place = std::lower_bound(values.begin(), values.end(), static_cast<std::int64_t>(value));
       ids[node++] = static_cast<std::uint8_t>(place - values.begin());
     }
+  }
+};
+
+struct ToLevels
+{
+  const EvenGreys& levels;
+  std::vector<std::uint8_t>& ids;
+
+  template <typename Array>
+  void operator()(Array* array)
+  {
+    std::size_t node = 0;
+    for (const auto value : vtk::DataArrayValueRange<1>(array))
+      ids[node++] = levels.of(static_cast<double>(value));
   }
 };
 
@@ -166,18 +194,21 @@ std::vector<std::string> sharedNames(vtkDataSet* piece, const Team& team)
 
 } // namespace
 
-PhaseIds phaseIds(vtkImageData* piece, vtkInformation* choice, const Team& team)
+PhaseIds phaseIds(
+  vtkImageData* piece, vtkInformation* choice, const Team& team, const std::optional<EvenGreys>& levels)
 {
   return phaseIds(
-    piece, [&] { return chosenArray(piece, choice); }, team);
+    piece, [&] { return chosenArray(piece, choice); }, team, levels);
 }
 
-PhaseIds phaseIds(vtkDataSet* piece, const std::function<vtkDataArray*()>& find, const Team& team)
+PhaseIds phaseIds(vtkDataSet* piece, const std::function<vtkDataArray*()>& find, const Team& team,
+  const std::optional<EvenGreys>& levels)
 {
   PhaseIds result;
   const bool empty = piece->GetNumberOfPoints() == 0;
   vtkDataArray* array = nullptr;
   WholeNumbers numbers;
+  numbers.levels = levels.has_value();
   std::array<std::int64_t, 2> seen{ 0, -1 }; // not unsigned char; largest value of unsigned char
   team.agree(
     [&]
@@ -215,11 +246,30 @@ PhaseIds phaseIds(vtkDataSet* piece, const std::function<vtkDataArray*()>& find,
   {
     if (!empty && !result.ids.empty()) // unsigned char here, another type on another rank
       dispatch(array, numbers);
-    result.values = shared(numbers.distinct, team);
+    std::array<std::int64_t, 1> needed{ numbers.needed ? 1 : 0 };
+    team.maximum(needed);
+    if (needed[0] == 0)
+      result.values = shared(numbers.distinct, team);
+    const bool toLevels = levels && (needed[0] != 0 || result.values.size() > most);
     team.agree(
       [&]
       {
-        if (result.values.size() > most)
+        if (toLevels)
+        {
+          result.values.clear();
+          for (int level = 0; level < EvenGreys::count; ++level)
+          {
+            result.values.push_back(level);
+            result.names.push_back(levels->name(level));
+          }
+          result.own.resize(empty ? 0 : static_cast<std::size_t>(array->GetNumberOfTuples()));
+          ToLevels worker{ *levels, result.own };
+          if (!empty)
+            dispatch(array, worker);
+          result.ids = result.own;
+          return;
+        }
+        if (needed[0] != 0 || result.values.size() > most)
           throw InputError("array '" + result.array + "' holds more than 256 different values",
             "choose the array of phases; labels of grains or pores are not phases");
         result.own.resize(empty ? 0 : static_cast<std::size_t>(array->GetNumberOfTuples()));
@@ -231,7 +281,7 @@ PhaseIds phaseIds(vtkDataSet* piece, const std::function<vtkDataArray*()>& find,
         result.ids = result.own;
       });
   }
-  for (const std::int64_t value : result.values)
+  for (const std::int64_t value : result.names.empty() ? result.values : std::vector<std::int64_t>())
   {
     const bool known = value >= 0 && static_cast<std::size_t>(value) < named.size();
     result.names.push_back(known ? named[static_cast<std::size_t>(value)] : std::to_string(value));

@@ -2,9 +2,12 @@
 
 #include "vtkPieces.h"
 
+#include "lattice/EvenGreys.h"
+
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -31,14 +34,17 @@ struct PhaseIds
 
 /// Collective. The array that `choice` (vtkAlgorithm::GetInputArrayInformation) names, checked in the order present,
 /// at points, one component, whole numbers.
+/// @param levels any numbers do then: where they are more than 256, or not whole ones, ids are levels, named by their
+/// greys
 /// @throws Error on every rank
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseIds phaseIds(
-  vtkImageData* piece, vtkInformation* choice, const Team& team);
+  vtkImageData* piece, vtkInformation* choice, const Team& team, const std::optional<EvenGreys>& levels = {});
 
 /// Collective. The same of any array of a data set's points or cells: `find` gives it, and may throw; it is not called
 /// where the piece is empty.
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseIds phaseIds(
-  vtkDataSet* piece, const std::function<vtkDataArray*()>& find, const Team& team);
+  vtkDataSet* piece, const std::function<vtkDataArray*()>& find, const Team& team,
+  const std::optional<EvenGreys>& levels = {});
 
 /// The id of the phase of this name or value; of none, that of the first that is called void, pore, lumen or air.
 /// @param what says in the message what the phase is wanted for: "pores"

@@ -95,11 +95,11 @@ vtkSmartPointer<vtkImageData> toImageData(PhaseImage image)
   return result;
 }
 
-PhaseView viewPhases(vtkImageData* image, const char* name)
+PhaseView viewPhases(vtkImageData* image, const char* name, Voxels voxels)
 {
   PhaseView view;
   requireUpright(image);
-  view.lattice = latticeOf(image);
+  view.lattice = latticeOf(image, voxels);
   vtkDataArray* const array = image->GetPointData()->GetArray(name);
   if (array == nullptr)
   {
@@ -127,13 +127,13 @@ PhaseView viewPhases(vtkImageData* image, const char* name)
   return view;
 }
 
-PhaseImage toPhaseImage(vtkImageData* image, const char* array)
+PhaseImage toPhaseImage(vtkImageData* image, const char* array, Voxels voxels)
 {
-  const PhaseView view = viewPhases(image, array);
+  const PhaseView view = viewPhases(image, array, voxels);
   return PhaseImage{ view.lattice, { view.phase.begin(), view.phase.end() }, view.phases };
 }
 
-Lattice latticeOf(const int whole[6], const double origin[3], const double spacing[3])
+Lattice latticeOf(const int whole[6], const double origin[3], const double spacing[3], Voxels voxels)
 {
   Lattice lattice;
   int first = -1;
@@ -150,12 +150,18 @@ Lattice latticeOf(const int whole[6], const double origin[3], const double spaci
   lattice.spacing = spacing[std::max(first, 0)];
   for (int axis = 0; axis < lattice.dimension; ++axis)
   {
-    const bool differs = std::abs(spacing[axis] - lattice.spacing) > 1e-6 * std::abs(lattice.spacing);
-    if (!(lattice.spacing > 0) || (lattice.size[axis] > 1 && differs))
+    const bool differs =
+      lattice.size[axis] > 1 && std::abs(spacing[axis] - lattice.spacing) > 1e-6 * std::abs(lattice.spacing);
+    if (differs && spacing[axis] > 0)
+      lattice.aspect[axis] = spacing[axis] / lattice.spacing;
+    if (!(lattice.spacing > 0) || (differs && (voxels == Voxels::Cubes || !plausible(spacing[axis]))))
     {
       throw InputError("the image's spacing is " + std::to_string(spacing[0]) + ", " + std::to_string(spacing[1]) +
-          ", " + std::to_string(spacing[2]) + "; a lattice has the same positive spacing along every axis",
-        "resample the image to square pixels first");
+          ", " + std::to_string(spacing[2]) + "; " +
+          (voxels == Voxels::Cubes ? "a lattice has the same positive spacing along every axis"
+                                   : "spacings are positive, and between 1e-30 and 1e30"),
+        voxels == Voxels::Cubes ? "resample the image to square pixels first; steady diffusion takes it as it is"
+                                : "give the image the distances of its nodes in metres");
     }
   }
   if (!plausible(lattice.spacing))
@@ -181,9 +187,9 @@ void requireUpright(vtkImageData* image)
   requireUpright(image->GetDirectionMatrix()->GetData());
 }
 
-Lattice latticeOf(vtkImageData* image)
+Lattice latticeOf(vtkImageData* image, Voxels voxels)
 {
-  return latticeOf(image->GetExtent(), image->GetOrigin(), image->GetSpacing());
+  return latticeOf(image->GetExtent(), image->GetOrigin(), image->GetSpacing(), voxels);
 }
 
 lbm::Block blockOf(const int extent[6], const int whole[6]) noexcept
@@ -203,7 +209,7 @@ void setGeometry(vtkImageData* image, const Lattice& lattice)
 {
   image->SetDimensions(
     static_cast<int>(lattice.size[0]), static_cast<int>(lattice.size[1]), static_cast<int>(lattice.size[2]));
-  image->SetSpacing(lattice.spacing, lattice.spacing, lattice.spacing);
+  image->SetSpacing(lattice.spacingAlong(0), lattice.spacingAlong(1), lattice.spacingAlong(2));
   image->SetOrigin(lattice.origin.data());
 }
 

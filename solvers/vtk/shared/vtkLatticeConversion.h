@@ -44,17 +44,20 @@ struct PhaseView
 
 /// The phases of a whole image (one piece), in place. Without `phase_names` the names are "0", "1", ...
 /// @throws InputError when the array is missing, holds cells, has several components or is not unsigned char; when
-///   the image is empty or its spacing differs between axes
-[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseView viewPhases(vtkImageData* image, const char* array = "phase");
+///   the image is empty or its spacing differs between axes, where these must be `Cubes`
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseView viewPhases(
+  vtkImageData* image, const char* array = "phase", Voxels voxels = Voxels::Cubes);
 
 /// The same as a copy that lives on its own.
-[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseImage toPhaseImage(vtkImageData* image, const char* array = "phase");
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseImage toPhaseImage(
+  vtkImageData* image, const char* array = "phase", Voxels voxels = Voxels::Cubes);
 
 /// The lattice of an image of this whole extent; its origin is the position of the extent's first node.
-/// @throws InputError when the extent is empty or the spacing differs between axes that have more than one node
+/// @throws InputError when the extent is empty, and where the spacing differs between axes that have more than one
+/// node and voxels must be cubes
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT Lattice latticeOf(
-  const int wholeExtent[6], const double origin[3], const double spacing[3]);
-[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT Lattice latticeOf(vtkImageData* image);
+  const int wholeExtent[6], const double origin[3], const double spacing[3], Voxels voxels = Voxels::Cubes);
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT Lattice latticeOf(vtkImageData* image, Voxels voxels = Voxels::Cubes);
 
 /// @throws InputError for an image whose axes are not those of space: what is computed goes along x, y and z
 VTKLAMELLASOLVERSVTK_EXPORT void requireUpright(const double direction[9]);

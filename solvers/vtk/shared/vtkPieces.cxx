@@ -164,7 +164,7 @@ void Team::agree(const std::function<void()>& action) const
   throwAs(words.front(), words.substr(1, cut - 1), words.substr(cut + 1));
 }
 
-WholeImage wholeImage(vtkImageData* piece, const Team& team)
+WholeImage wholeImage(vtkImageData* piece, const Team& team, Voxels voxels)
 {
   constexpr auto none = std::numeric_limits<std::int64_t>::lowest();
   const int* const extent = piece->GetExtent();
@@ -199,15 +199,15 @@ WholeImage wholeImage(vtkImageData* piece, const Team& team)
     MPI_Allreduce(MPI_IN_PLACE, &owner, 1, MPI_INT, MPI_MIN, team.comm());
     MPI_Bcast(geometry.data(), 15, MPI_DOUBLE, owner, team.comm());
   }
-  whole.lattice = latticeOf(whole.extent.data(), geometry.data(), geometry.data() + 3);
+  whole.lattice = latticeOf(whole.extent.data(), geometry.data(), geometry.data() + 3, voxels);
   std::copy_n(geometry.begin() + 6, 9, whole.direction.begin());
   whole.held = empty ? lbm::Block{} : blockOf(extent, whole.extent.data());
   return whole;
 }
 
-WholeImage uprightImage(vtkImageData* piece, const Team& team)
+WholeImage uprightImage(vtkImageData* piece, const Team& team, Voxels voxels)
 {
-  WholeImage whole = wholeImage(piece, team);
+  WholeImage whole = wholeImage(piece, team, voxels);
   requireUpright(whole.direction.data());
   return whole;
 }
@@ -217,9 +217,9 @@ std::array<double, 3> WholeImage::physical(const std::array<double, 3>& place) c
   std::array<double, 3> result{};
   for (std::size_t row = 0; row < 3; ++row)
   {
-    result[row] = lattice.origin[row] - extent[2 * row] * lattice.spacing; // of the node of index 0
+    result[row] = lattice.origin[row] - extent[2 * row] * lattice.spacingAlong(static_cast<int>(row)); // of the node of index 0
     for (std::size_t column = 0; column < 3; ++column)
-      result[row] += direction[3 * row + column] * lattice.spacing * (extent[2 * column] + place[column]);
+      result[row] += direction[3 * row + column] * lattice.spacingAlong(static_cast<int>(column)) * (extent[2 * column] + place[column]);
   }
   return result;
 }
@@ -263,7 +263,7 @@ void announce(vtkInformation* output, const Lattice& lattice)
 {
   const std::array<int, 6> whole{ 0, static_cast<int>(lattice.size[0]) - 1, 0, static_cast<int>(lattice.size[1]) - 1, 0,
     static_cast<int>(lattice.size[2]) - 1 };
-  const std::array<double, 3> spacing{ lattice.spacing, lattice.spacing, lattice.spacing };
+  const std::array<double, 3> spacing{ lattice.spacingAlong(0), lattice.spacingAlong(1), lattice.spacingAlong(2) };
   output->Set(Pipeline::WHOLE_EXTENT(), whole.data(), 6);
   output->Set(vtkDataObject::SPACING(), spacing.data(), 3);
   output->Set(vtkDataObject::ORIGIN(), lattice.origin.data(), 3);

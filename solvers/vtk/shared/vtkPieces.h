@@ -77,10 +77,12 @@ struct WholeImage
 
 /// Collective. Puts together what the pieces say: the whole extent is the box around all of them.
 /// @throws InputError when all are empty or the spacing is not that of a lattice
-[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT WholeImage wholeImage(vtkImageData* piece, const Team& team);
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT WholeImage wholeImage(
+  vtkImageData* piece, const Team& team, Voxels voxels = Voxels::Cubes);
 /// The same of an image whose axes are those of space: solvers give vectors, and images of their own, along these.
 /// @throws InputError for one that is turned, besides
-[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT WholeImage uprightImage(vtkImageData* piece, const Team& team);
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT WholeImage uprightImage(
+  vtkImageData* piece, const Team& team, Voxels voxels = Voxels::Cubes);
 
 /// What is asked of the output that is asked for, in any pass of the pipeline.
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT vtkInformation* requestedOutput(
