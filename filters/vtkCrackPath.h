@@ -82,7 +82,7 @@ public:
    * @group Cracks
    * @unit spacings
    */
-  vtkSettingMacro(MinimumLength, double);
+  vtkSettingMacro(MinimumLength, double, -1);
 
   /**
    * Branches that end in solid after no more than this are taken away [spacings]. -1: twice the horizon.
@@ -91,7 +91,7 @@ public:
    * @unit spacings
    * @advanced
    */
-  vtkSettingMacro(SpurLength, double);
+  vtkSettingMacro(SpurLength, double, -1);
 
   /**
    * Length of the longest bonds [spacings]. 0: as the broken bonds tell.
@@ -100,14 +100,14 @@ public:
    * @range [0, 8]
    * @advanced
    */
-  vtkSettingMacro(Horizon, double);
+  vtkSettingMacro(Horizon, double, 0);
 
   /**
    * Where there is an image, find the pieces that no unbroken bond joins.
    * @group Cracks
    * @off no-fragments: Do not look for the pieces that no unbroken bond joins.
    */
-  vtkSwitchMacro(ComputeFragments);
+  vtkSwitchMacro(ComputeFragments, true);
 
   /** The image of phases, input 1. */
   void SetImageData(vtkImageData* image);
@@ -142,10 +142,6 @@ private:
 
   struct Work;
 
-  double MinimumLength = -1;
-  double SpurLength = -1;
-  double Horizon = 0;
-  bool ComputeFragments = true;
   vtkMultiProcessController* Controller = nullptr;
 };
 

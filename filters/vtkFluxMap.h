@@ -62,7 +62,7 @@ public:
    * @group Map
    * @choice Directions
    */
-  vtkSettingMacro(Direction, int);
+  vtkSettingMacro(Direction, int, AUTO);
 
   /**
    * Each carries the same share of the flux through the inlet. 0: none are computed.
@@ -70,7 +70,7 @@ public:
    * @word streamlines
    * @range [0, 1000000]
    */
-  vtkSettingMacro(NumberOfStreamlines, int);
+  vtkSettingMacro(NumberOfStreamlines, int, 60);
 
   /** The streamlines, output 1. */
   vtkPolyData* GetStreamlines();
@@ -96,8 +96,6 @@ private:
 
   struct Work;
 
-  int Direction = AUTO;
-  int NumberOfStreamlines = 60;
   vtkMultiProcessController* Controller = nullptr;
 };
 

@@ -55,7 +55,7 @@ public:
    * @group Diffusion
    * @choice Quantities
    */
-  vtkSettingMacro(Quantity, int);
+  vtkSettingMacro(Quantity, int, TEMPERATURE);
 
   enum SideTypes
   {
@@ -68,7 +68,7 @@ public:
    * @group Diffusion
    * @choice SideTypes
    */
-  vtkSettingMacro(Sides, int);
+  vtkSettingMacro(Sides, int, INSULATED);
 
   enum Lattices
   {
@@ -84,16 +84,16 @@ public:
    * @choice Lattices
    * @advanced
    */
-  vtkSettingMacro(Lattice, int);
+  vtkSettingMacro(Lattice, int, AUTO_LATTICE);
 
   /**
    * Put the flux vectors into the output. Off, they are neither computed nor stored.
    * @group Time
    */
-  vtkSwitchMacro(ComputeFlux);
+  vtkSwitchMacro(ComputeFlux, true);
 
   /** As vtkSampleAlgorithm. */
-  vtkSettingMacro(Threads, int);
+  vtkSettingMacro(Threads, int, 1);
 
   /** What kind of mistake the last update ended with: a value of vtkSampleAlgorithm::Failures. */
   vtkGetMacro(Failure, int);
@@ -124,17 +124,12 @@ protected:
   int ThreadCount() const;
 
   int Direction = X;
-  int Quantity = TEMPERATURE;
-  int Sides = INSULATED;
-  int Lattice = AUTO_LATTICE;
-  bool ComputeFlux = true;
   vtkMultiProcessController* Controller = nullptr;
 
 private:
   vtkDiffusionAlgorithm(const vtkDiffusionAlgorithm&) = delete;
   void operator=(const vtkDiffusionAlgorithm&) = delete;
 
-  int Threads = 1;
   int Failure = 0;
 };
 

@@ -51,7 +51,7 @@ public:
    * @group Middle Lamella
    * @choice LamellaTypes
    */
-  vtkSettingMacro(Lamella, int);
+  vtkSettingMacro(Lamella, int, NONE);
 
   /**
    * Gap that growing outlines keep, or the constant thickness, in metres. 0: half a micrometre, but not more than an
@@ -61,7 +61,7 @@ public:
    * @range [0, inf)
    * @when Lamella GROWTH CONSTANT
    */
-  vtkSettingMacro(LamellaThickness, double);
+  vtkSettingMacro(LamellaThickness, double, 0);
 
   /**
    * Growing outlines stop where their radius of curvature has fallen to so many metres. 0: never. Below 0: a quarter of
@@ -70,14 +70,14 @@ public:
    * @unit m
    * @when Lamella GROWTH
    */
-  vtkSettingMacro(LamellaRadius, double);
+  vtkSettingMacro(LamellaRadius, double, -1);
 
   /**
    * The phase of the picture that is the middle lamella. Empty: the one that is called middle lamella, or lamella.
    * @group Middle Lamella
    * @when Lamella LABELS
    */
-  vtkSettingMacro(LamellaPhase, std::string);
+  vtkSettingMacro(LamellaPhase, std::string, "");
 
   vtkTypeBool ProcessRequest(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
@@ -89,11 +89,6 @@ protected:
   virtual int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) = 0;
   virtual int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*);
   virtual int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) = 0;
-
-  int Lamella = NONE;
-  double LamellaThickness = 0;
-  double LamellaRadius = -1;
-  std::string LamellaPhase;
 
 private:
   vtkOutlineAlgorithm(const vtkOutlineAlgorithm&) = delete;

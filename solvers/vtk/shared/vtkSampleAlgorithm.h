@@ -48,7 +48,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(Threads, int);
+  vtkSettingMacro(Threads, int, 1);
 
   enum Axes
   {
@@ -116,7 +116,6 @@ private:
   void operator=(const vtkSampleAlgorithm&) = delete;
 
   std::vector<std::string> Voids;
-  int Threads = 1;
   int Failure = NO_FAILURE;
 };
 
