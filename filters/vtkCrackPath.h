@@ -60,12 +60,13 @@
 #ifndef vtkCrackPath_h
 #define vtkCrackPath_h
 
-#include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkLamellaFiltersModule.h"   // for export macro
+#include "vtkMultiProcessController.h" // for the smart pointer
 #include "vtkPolyDataAlgorithm.h"
 #include "vtkSetting.h"
+#include "vtkSmartPointer.h"
 
 class vtkImageData;
-class vtkMultiProcessController;
 class vtkTable;
 
 class VTKLAMELLAFILTERS_EXPORT vtkCrackPath : public vtkPolyDataAlgorithm
@@ -122,13 +123,13 @@ public:
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
 protected:
   vtkCrackPath();
-  ~vtkCrackPath() override;
+  ~vtkCrackPath() override = default;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int FillOutputPortInformation(int port, vtkInformation* info) override;
@@ -142,7 +143,7 @@ private:
 
   struct Work;
 
-  vtkMultiProcessController* Controller = nullptr;
+  vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
 
 #endif

@@ -35,12 +35,11 @@
 #define vtkFluxMap_h
 
 #include "vtkImageAlgorithm.h"
-#include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkLamellaFiltersModule.h"   // for export macro
+#include "vtkMultiProcessController.h" // for the smart pointer
 #include "vtkSetting.h"
+#include "vtkSmartPointer.h"
 
-#include <memory> // for std::unique_ptr
-
-class vtkMultiProcessController;
 class vtkPolyData;
 
 class VTKLAMELLAFILTERS_EXPORT vtkFluxMap : public vtkImageAlgorithm
@@ -77,15 +76,14 @@ public:
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
 protected:
   vtkFluxMap();
-  ~vtkFluxMap() override;
+  ~vtkFluxMap() override = default;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
   int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
@@ -96,7 +94,7 @@ private:
 
   struct Work;
 
-  vtkMultiProcessController* Controller = nullptr;
+  vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
 
 #endif

@@ -41,14 +41,14 @@
 #ifndef vtkStressPDF_h
 #define vtkStressPDF_h
 
-#include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkLamellaFiltersModule.h"   // for export macro
+#include "vtkMultiProcessController.h" // for the smart pointer
 #include "vtkSetting.h"
+#include "vtkSmartPointer.h"
 #include "vtkTableAlgorithm.h"
 
 #include <string> // for the phases
 #include <vector> // for the phases
-
-class vtkMultiProcessController;
 
 class VTKLAMELLAFILTERS_EXPORT vtkStressPDF : public vtkTableAlgorithm
 {
@@ -143,13 +143,13 @@ public:
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
 protected:
   vtkStressPDF();
-  ~vtkStressPDF() override;
+  ~vtkStressPDF() override = default;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
@@ -162,7 +162,7 @@ private:
   struct Work;
 
   std::vector<std::string> Phases;
-  vtkMultiProcessController* Controller = nullptr;
+  vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
 
 #endif

@@ -333,16 +333,16 @@ class Reader:
         if which.startswith("Get"):
             self.getters[name] = "Get" + name
             kind = "text" if re.match(r"Get(String|FilePath)", which) else kind_of(parts[1]) if len(parts) > 1 else None
-            if not which.startswith("GetObject") and kind:
+            if not which.startswith(("GetObject", "GetSmartPointer")) and kind:
                 self.found.tells[name] = (kind, count, parse_comment(self.comment or "")[0])
-        elif which.startswith("Set") and not which.startswith("SetObject"):
+        elif which.startswith("Set") and not which.startswith(("SetObject", "SetSmartPointer")):
             kind = "text" if re.match(r"Set(String|FilePath)", which) else kind_of(parts[1])
             if kind is None:
                 self.fail(at, f"{which} of {parts[1]} is not understood")
             kinds = (kind,) * count
             wholes = () if kind == "text" else (parts[1],) * count
             self.add(at, Setting(name, "Set" + name, "vector" if count > 1 else kind, types=kinds, wholes=wholes))
-        elif which not in ("TypeMacro", "BooleanMacro", "AbstractTypeMacro", "TypeRevisionMacro"):
+        elif which not in ("TypeMacro", "BooleanMacro", "AbstractTypeMacro", "TypeRevisionMacro", "SetObjectMacro", "SetSmartPointerMacro"):
             self.fail(at, f"{which} is not understood")
         if not self.grouped:
             self.comment = None

@@ -31,7 +31,6 @@
 #include <string> // for members
 
 class vtkImageData;
-class vtkMultiProcessController;
 
 namespace lamella
 {
@@ -215,8 +214,8 @@ public:
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
   ///@{

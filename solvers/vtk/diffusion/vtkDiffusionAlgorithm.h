@@ -22,13 +22,13 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkMultiProcessController.h"  // for the smart pointer
 #include "vtkSetting.h"
+#include "vtkSmartPointer.h"
 
 #include <functional> // for std::function
 #include <map>        // for tables by phase
 #include <string>     // for tables by phase
-
-class vtkMultiProcessController;
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkDiffusionAlgorithm : public vtkImageAlgorithm
 {
@@ -100,15 +100,14 @@ public:
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
 protected:
   vtkDiffusionAlgorithm();
-  ~vtkDiffusionAlgorithm() override;
+  ~vtkDiffusionAlgorithm() override = default;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
   /// Runs it; what it throws becomes an error of VTK, with its kind in Failure and empty outputs.
@@ -124,7 +123,7 @@ protected:
   int ThreadCount() const;
 
   int Direction = X;
-  vtkMultiProcessController* Controller = nullptr;
+  vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 
 private:
   vtkDiffusionAlgorithm(const vtkDiffusionAlgorithm&) = delete;

@@ -11,26 +11,19 @@
 #ifndef vtkOutlineAlgorithm_h
 #define vtkOutlineAlgorithm_h
 
-#include "vtkAlgorithm.h"
+#include "vtkDataObjectAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkSetting.h"
 
 #include <string> // for the phase
 
-class vtkDataObject;
 class vtkImageData;
 
-class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineAlgorithm : public vtkAlgorithm
+class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineAlgorithm : public vtkDataObjectAlgorithm
 {
 public:
-  vtkTypeMacro(vtkOutlineAlgorithm, vtkAlgorithm);
+  vtkTypeMacro(vtkOutlineAlgorithm, vtkDataObjectAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
-
-  ///@{
-  /** The outlines, input 0, and what else goes in. */
-  void SetInputData(vtkDataObject* input) { this->SetInputData(0, input); }
-  void SetInputData(int port, vtkDataObject* input);
-  ///@}
 
   ///@{
   /** The picture that the outlines were found in, input 1. */
@@ -79,16 +72,12 @@ public:
    */
   vtkSettingMacro(LamellaPhase, std::string, "");
 
-  vtkTypeBool ProcessRequest(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
-
 protected:
   vtkOutlineAlgorithm();
   ~vtkOutlineAlgorithm() override = default;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  virtual int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) = 0;
-  virtual int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*);
-  virtual int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) = 0;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
   vtkOutlineAlgorithm(const vtkOutlineAlgorithm&) = delete;

@@ -51,7 +51,6 @@
 #include <memory> // for std::unique_ptr
 #include <string> // for members
 
-class vtkMultiProcessController;
 class vtkPolyData;
 class vtkTable;
 
@@ -268,8 +267,8 @@ public:
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
   /** Output 0. */

@@ -15,13 +15,13 @@
 
 #include "vtkDataObjectAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkMultiProcessController.h"  // for the smart pointer
 #include "vtkSetting.h"
+#include "vtkSmartPointer.h"
 
 #include <functional> // for std::function
 #include <string>     // for members
 #include <vector>     // for members
-
-class vtkMultiProcessController;
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkSampleAlgorithm : public vtkDataObjectAlgorithm
 {
@@ -109,7 +109,7 @@ protected:
   const std::vector<std::string>& GivenVoids() const { return this->Voids; }
   int ThreadCount() const;
 
-  vtkMultiProcessController* Controller = nullptr; ///< null: each rank works by itself
+  vtkSmartPointer<vtkMultiProcessController> Controller; ///< null: each rank works by itself
 
 private:
   vtkSampleAlgorithm(const vtkSampleAlgorithm&) = delete;
