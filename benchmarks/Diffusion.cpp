@@ -58,8 +58,7 @@ Timed timed(Run&& run)
     seconds.push_back(cpu() - start);
     total += seconds.back();
   } while (total < 1 && (seconds.size() < 3 || total < 0.1));
-  std::nth_element(seconds.begin(), seconds.begin() + static_cast<std::ptrdiff_t>(seconds.size() / 2), seconds.end());
-  result.seconds = seconds[seconds.size() / 2];
+  result.seconds = median(seconds);
   return result;
 }
 
@@ -270,13 +269,9 @@ void softwood(const Keys& keys, bool heat)
 
 int main(int argc, char** argv)
 {
-  return runWith(
-    argc, argv,
-    [](const Keys& keys)
-    {
-      runStudies(keys,
-        { { "heat", [&] { disks(keys, true); } }, { "vapour", [&] { disks(keys, false); } },
-          { "spheres", [&] { spheres(keys); } }, { "softwood-heat", [&] { softwood(keys, true); } },
-          { "softwood-vapour", [&] { softwood(keys, false); } } });
-    });
+  return runStudies(argc, argv,
+    { { "heat", [](const Keys& keys) { disks(keys, true); } },
+      { "vapour", [](const Keys& keys) { disks(keys, false); } }, { "spheres", spheres },
+      { "softwood-heat", [](const Keys& keys) { softwood(keys, true); } },
+      { "softwood-vapour", [](const Keys& keys) { softwood(keys, false); } } });
 }

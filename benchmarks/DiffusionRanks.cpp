@@ -2,8 +2,8 @@
 // run; and what the machine itself allows: every rank doing the whole job by itself, at once, over as many in turn.
 // Starts itself under mpirun on two ranks unless it already runs there; arguments: nodes an edge, pairs of runs.
 #include "Ranks.h"
+#include "Timing.h"
 
-#include "core/Error.h"
 #include "generators/Generators.h"
 #include "lbm/DiffusionStudy.h"
 #include "lbm/SteadyDiffusion.h"
@@ -23,12 +23,7 @@ namespace
 {
 
 using namespace lamella;
-
-double median(std::vector<double> v)
-{
-  std::sort(v.begin(), v.end());
-  return v[v.size() / 2];
-}
+using namespace lamella::benchmark;
 
 double seconds(const PhaseImage& image, const std::vector<double>& d, MPI_Comm comm, double& effective)
 {
@@ -57,12 +52,12 @@ void compare(const char* label, const PhaseImage& image, const std::vector<doubl
   double valueOfAll = 0;
   for (int i = 0; i < pairs; ++i)
   {
-    benchmark::waitForAll();
+    waitForAll();
     if (rank == 0)
       one.push_back(seconds(image, d, MPI_COMM_SELF, valueOfOne));
-    benchmark::waitForAll();
+    waitForAll();
     all.push_back(seconds(image, d, MPI_COMM_WORLD, valueOfAll));
-    benchmark::waitForAll();
+    waitForAll();
     double slowest = seconds(image, d, MPI_COMM_SELF, valueOfOne);
     MPI_Allreduce(MPI_IN_PLACE, &slowest, 1, MPI_DOUBLE, MPI_MAX, MPI_COMM_WORLD);
     if (rank == 0)
@@ -82,30 +77,27 @@ void compare(const char* label, const PhaseImage& image, const std::vector<doubl
 } // namespace
 
 int main(int argc, char** argv)
-try
 {
-  if (!benchmark::onRanks(argc, argv))
+  if (!onRanks(argc, argv))
     return 1;
-  MPI_Init(&argc, &argv);
-  const long edge = argc > 1 ? std::atol(argv[1]) : 200;
-  const int pairs = argc > 2 ? std::atoi(argv[2]) : 9;
-  generators::SoftwoodOptions o;
-  o.dimension = 3;
-  o.size = { edge, edge, edge };
-  o.solidFraction = 0.40;
-  o.seed = 1;
-  const PhaseImage image = generators::softwood(o);
-  int rank = 0;
-  MPI_Comm_rank(MPI_COMM_WORLD, &rank);
-  if (rank == 0)
-    fmt::print("softwood {}^3, solid fraction 0.40, seed 1, along x, {} pairs; wall time\n", edge, pairs);
-  compare("heat", image, { 0.023, 1 }, pairs);
-  compare("vapour", image, { 1, 0.004 }, pairs);
-  MPI_Finalize();
-  return 0;
-}
-catch (const lamella::Error& e)
-{
-  fmt::print(stderr, "error: {}\nhint: {}\n", e.what(), e.hint());
-  return 1;
+  return told(
+    [&]
+    {
+      MPI_Init(&argc, &argv);
+      const long edge = argc > 1 ? std::atol(argv[1]) : 200;
+      const int pairs = argc > 2 ? std::atoi(argv[2]) : 9;
+      generators::SoftwoodOptions o;
+      o.dimension = 3;
+      o.size = { edge, edge, edge };
+      o.solidFraction = 0.40;
+      o.seed = 1;
+      const PhaseImage image = generators::softwood(o);
+      int rank = 0;
+      MPI_Comm_rank(MPI_COMM_WORLD, &rank);
+      if (rank == 0)
+        fmt::print("softwood {}^3, solid fraction 0.40, seed 1, along x, {} pairs; wall time\n", edge, pairs);
+      compare("heat", image, { 0.023, 1 }, pairs);
+      compare("vapour", image, { 1, 0.004 }, pairs);
+      MPI_Finalize();
+    });
 }

@@ -1,7 +1,8 @@
 // Steady diffusion: user CPU of set-up and solve on generated softwood, heat and vapour, one direction, until each
 // face's flux is within 1e-8 of its limit; beside Jacobi-preconditioned conjugate gradients on the same system in the
 // same run, which is what PuMA does. Medians of several runs; peers' own figures are in docs/benchmarks/diffusion.md.
-#include "core/Error.h"
+#include "Timing.h"
+
 #include "generators/Generators.h"
 #include "lbm/SteadyDiffusion.h"
 
@@ -15,27 +16,13 @@
 #include <string>
 #include <vector>
 
-#include <sys/resource.h>
-
 namespace
 {
 
 using namespace lamella;
+using namespace lamella::benchmark;
 
 constexpr std::uint64_t seed = 1;
-
-double userSeconds()
-{
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
-}
-
-double median(std::vector<double> v)
-{
-  std::sort(v.begin(), v.end());
-  return v[v.size() / 2];
-}
 
 PhaseImage softwood(int dimension, std::int64_t n)
 {
@@ -186,25 +173,22 @@ void measure(const char* label, const PhaseImage& image, double lumen, double wa
 } // namespace
 
 int main(int argc, char** argv)
-try
 {
-  const bool quick = argc > 1 && std::string(argv[1]) == "--quick";
-  fmt::print("softwood, solid fraction 0.40, seed {}, along x; user CPU of set-up and solve, median\n", seed);
-  fmt::print("{:<15}{:<29}{:<29}{}\n", "", "value and faces to 1e-8", "the field to 1e-6 as well",
-    "B/node  Jacobi-CG, value and faces");
-  const PhaseImage a = softwood(2, 200);
-  measure("200^2 heat", a, 0.023, 1, 21, true);
-  measure("200^2 vapour", a, 1, 0.004, 21, true);
-  const PhaseImage b = softwood(2, 1024);
-  measure("1024^2 heat", b, 0.023, 1, 5, !quick);
-  measure("1024^2 vapour", b, 1, 0.004, 5, false);
-  const PhaseImage c = softwood(3, 200);
-  measure("200^3 heat", c, 0.023, 1, quick ? 1 : 5, false);
-  measure("200^3 vapour", c, 1, 0.004, quick ? 1 : 5, false);
-  return 0;
-}
-catch (const lamella::Error& e)
-{
-  fmt::print(stderr, "error: {}\nhint: {}\n", e.what(), e.hint());
-  return 1;
+  return told(
+    [&]
+    {
+      const bool quick = argc > 1 && std::string(argv[1]) == "--quick";
+      fmt::print("softwood, solid fraction 0.40, seed {}, along x; user CPU of set-up and solve, median\n", seed);
+      fmt::print("{:<15}{:<29}{:<29}{}\n", "", "value and faces to 1e-8", "the field to 1e-6 as well",
+        "B/node  Jacobi-CG, value and faces");
+      const PhaseImage a = softwood(2, 200);
+      measure("200^2 heat", a, 0.023, 1, 21, true);
+      measure("200^2 vapour", a, 1, 0.004, 21, true);
+      const PhaseImage b = softwood(2, 1024);
+      measure("1024^2 heat", b, 0.023, 1, 5, !quick);
+      measure("1024^2 vapour", b, 1, 0.004, 5, false);
+      const PhaseImage c = softwood(3, 200);
+      measure("200^3 heat", c, 0.023, 1, quick ? 1 : 5, false);
+      measure("200^3 vapour", c, 1, 0.004, quick ? 1 : 5, false);
+    });
 }

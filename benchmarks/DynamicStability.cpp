@@ -125,7 +125,7 @@ void line(const std::string& name, const Trial& t)
   std::fflush(stdout);
 }
 
-void steps()
+void steps(const Keys&)
 {
   for (const bool breaking : { false, true })
   {
@@ -135,7 +135,7 @@ void steps()
   }
 }
 
-void damping()
+void damping(const Keys&)
 {
   header("damping, step/bound");
   for (const double d : { 0.0, 0.01, 0.1, 0.3, 1.0 })
@@ -143,21 +143,21 @@ void damping()
       line(fmt::format("{}, {}", d, s), { .safety = s, .damping = d });
 }
 
-void contrast()
+void contrast(const Keys&)
 {
   header("contrast of moduli");
   for (const double c : { 1.0, 10.0, 100.0, 1e3, 1e4 })
     line(fmt::format("{}", c), { .contrast = c });
 }
 
-void horizons()
+void horizons(const Keys&)
 {
   header("horizon");
   for (const double h : { 2.0, 3.0, 4.0, 5.0, 6.0, 8.0 })
     line(fmt::format("{}", h), { .horizon = h });
 }
 
-void porosity()
+void porosity(const Keys&)
 {
   header("porosity");
   for (const bool random : { false, true })
@@ -165,8 +165,9 @@ void porosity()
       line(fmt::format("{}{}", p, random ? ", single nodes" : ", disks"), { .porosity = p, .random = random });
 }
 
-void energy(bool quick)
+void energy(const Keys& keys)
 {
+  const bool quick = !keys.contains("study");
   fmt::print("{:<12} {:>10} {:>12} {:>12}\n", "scene", "step/bound", "broken", "defect");
   for (const bool branching : { true, false })
     for (const double s : { 0.8, 0.4, 0.2, 0.1, 0.05, 0.02, 0.01 })
@@ -190,12 +191,7 @@ void energy(bool quick)
 
 int main(int argc, char** argv)
 {
-  return runWith(
-    argc, argv,
-    [](const Keys& keys)
-    {
-      runStudies(keys,
-        { { "step", steps }, { "damping", damping }, { "contrast", contrast }, { "horizon", horizons },
-          { "porosity", porosity }, { "energy", [&] { energy(!keys.contains("study")); } } });
-    });
+  return runStudies(argc, argv,
+    { { "step", steps }, { "damping", damping }, { "contrast", contrast }, { "horizon", horizons },
+      { "porosity", porosity }, { "energy", energy } });
 }

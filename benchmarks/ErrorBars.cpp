@@ -242,11 +242,9 @@ void print(const std::map<std::string, Tally>& tallies)
   fmt::print("| material | cases | total holds | median bar over error | worst error over bar | lattice's part alone "
              "would hold | extrapolated nearer |\n|---|---|---|---|---|---|---|\n");
   Tally all;
-  const auto line = [](const std::string& kind, Tally t)
+  const auto line = [](const std::string& kind, const Tally& t)
   {
-    const auto middle = t.bars.begin() + static_cast<std::ptrdiff_t>(t.bars.size() / 2);
-    std::nth_element(t.bars.begin(), middle, t.bars.end());
-    fmt::print("| {} | {} | {} | {:.1f} | {:.2f} | {} | {} of {} |\n", kind, t.cases, t.held, *middle, t.worst,
+    fmt::print("| {} | {} | {} | {:.1f} | {:.2f} | {} | {} of {} |\n", kind, t.cases, t.held, median(t.bars), t.worst,
       t.lattice, t.nearer, t.given);
   };
   for (const auto& [kind, tally] : tallies)

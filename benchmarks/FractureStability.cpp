@@ -112,14 +112,14 @@ void header(const char* what)
     "bonds", "CPU [s]", "accur.");
 }
 
-void contrast()
+void contrast(const Keys&)
 {
   header("contrast of moduli");
   for (const double c : { 1e-6, 1e-4, 1e-2, 1.0, 10.0, 100.0, 1e3, 1e4, 1e5, 1e6 })
     line(fmt::format("{:g}", c), { .contrast = c });
 }
 
-void elongation()
+void elongation(const Keys&)
 {
   header("contrast of elongations");
   for (const double e : { 1e-6, 1e-3, 0.1, 1.0, 10.0, 1e3, 1e6 })
@@ -128,14 +128,14 @@ void elongation()
     line(fmt::format("{:g}, moduli 1 : {:g}", e, 1 / (e * e)), { .contrast = 1 / (e * e), .elongation = e });
 }
 
-void horizons()
+void horizons(const Keys&)
 {
   header("horizon");
   for (const double h : { 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0 })
     line(fmt::format("{}", h), { .horizon = h });
 }
 
-void porosity()
+void porosity(const Keys&)
 {
   header("porosity");
   for (const double p : { 0.0, 0.2, 0.4, 0.45, 0.5, 0.6 })
@@ -145,7 +145,7 @@ void porosity()
       line(fmt::format("{}, nodes, horizon {}", p, horizon), { .horizon = horizon, .plate = small(p, true) });
 }
 
-void notches()
+void notches(const Keys&)
 {
   header("notches over the width");
   for (const double a : { 0.0, 0.5, 0.9, 0.95, 1.0, 1.5 })
@@ -155,7 +155,7 @@ void notches()
   line("3 of 1", { .plate = small(0), .notch = 1, .notches = 3 });
 }
 
-void tolerance()
+void tolerance(const Keys&)
 {
   header("tolerance");
   for (const double t : { 1e-2, 1e-4, 1e-6, 1e-8, 1e-10, 1e-12, 1e-14 })
@@ -171,12 +171,7 @@ void tolerance()
 
 int main(int argc, char** argv)
 {
-  return runWith(
-    argc, argv,
-    [](const Keys& keys)
-    {
-      runStudies(keys,
-        { { "contrast", contrast }, { "elongation", elongation }, { "horizon", horizons }, { "porosity", porosity },
-          { "notch", notches }, { "tolerance", tolerance } });
-    });
+  return runStudies(argc, argv,
+    { { "contrast", contrast }, { "elongation", elongation }, { "horizon", horizons }, { "porosity", porosity },
+      { "notch", notches }, { "tolerance", tolerance } });
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/Error.h"
+#include "Timing.h"
 
 #include <fmt/format.h>
 
@@ -86,18 +86,25 @@ template <class F>
 int runWith(int argc, char** argv, F&& f)
 {
   MPI_Init(&argc, &argv);
-  int status = 0;
-  try
-  {
-    f(keysOf(argc, argv));
-  }
-  catch (const Error& e)
-  {
-    fmt::print(stderr, "error: {}\nhint: {}\n", e.what(), e.hint());
-    status = 1;
-  }
+  const int status = told([&] { f(keysOf(argc, argv)); });
   MPI_Finalize();
   return status;
+}
+
+/// The whole of a benchmark that is such studies.
+inline int runStudies(
+  int argc, char** argv, const std::vector<std::pair<std::string, std::function<void(const Keys&)>>>& studies)
+{
+  return runWith(
+    argc, argv,
+    [&](const Keys& keys)
+    {
+      std::vector<std::pair<std::string, std::function<void()>>> bound;
+      for (const auto& [name, study] : studies)
+        bound.emplace_back(
+          name, [&keys, &study = study] { study(keys); });
+      runStudies(keys, bound);
+    });
 }
 
 } // namespace lamella::benchmark

@@ -26,12 +26,7 @@ namespace
 {
 
 using namespace lamella;
-
-double median(std::vector<double> v)
-{
-  std::sort(v.begin(), v.end());
-  return v[v.size() / 2];
-}
+using namespace lamella::benchmark;
 
 struct Times
 {
@@ -43,9 +38,9 @@ template <class F>
 Times timed(int threads, F&& f)
 {
   const auto from = Clock::now();
-  const double t = benchmark::cpu();
+  const double t = cpu();
   f();
-  return { secondsSince(from), (benchmark::cpu() - t) / threads };
+  return { secondsSince(from), (cpu() - t) / threads };
 }
 
 // An array read, scaled and written in place, in large pages like the populations.
@@ -144,34 +139,29 @@ void measure(lbm::Stencil stencil, std::int64_t n, lbm::Collision collision, boo
 
 int main(int argc, char** argv)
 {
-  try
-  {
-    const auto keys = benchmark::keysOf(argc, argv);
-    const bool quick = keys.count("quick") != 0;
-    const auto flat = static_cast<std::int64_t>(benchmark::number(keys, "flat", quick ? 1024 : 2048));
-    const auto deep = static_cast<std::int64_t>(benchmark::number(keys, "deep", quick ? 96 : 256));
-    const auto most = static_cast<int>(benchmark::number(keys, "threads", 2));
-    const int repeats = quick ? 3 : 5;
-    const auto asked = keys.find("collision");
-    const auto collision = asked != keys.end() && asked->second == "bgk" ? lbm::Collision::BGK : lbm::Collision::TRT;
-    for (int threads = 1; threads <= most; ++threads)
+  return told(
+    [&]
     {
-      fmt::print("{} thread(s), {}; rates by processor time a thread\n"
-                 "lattice      size   GB/s    M/s      M/s wall   B/node  B/update bound A  bound B\n",
-        threads, lbm::stepKernels().name);
-      for (const auto stencil : { lbm::Stencil::D2Q5, lbm::Stencil::D2Q9, lbm::Stencil::D3Q7, lbm::Stencil::D3Q19 })
+      const auto keys = keysOf(argc, argv);
+      const bool quick = keys.count("quick") != 0;
+      const auto flat = static_cast<std::int64_t>(number(keys, "flat", quick ? 1024 : 2048));
+      const auto deep = static_cast<std::int64_t>(number(keys, "deep", quick ? 96 : 256));
+      const auto most = static_cast<int>(number(keys, "threads", 2));
+      const int repeats = quick ? 3 : 5;
+      const auto asked = keys.find("collision");
+      const auto collision = asked != keys.end() && asked->second == "bgk" ? lbm::Collision::BGK : lbm::Collision::TRT;
+      for (int threads = 1; threads <= most; ++threads)
       {
-        const bool plane = stencil == lbm::Stencil::D2Q5 || stencil == lbm::Stencil::D2Q9;
-        if (keys.count("only") != 0 && keys.at("only") != lbm::name(stencil))
-          continue;
-        measure(stencil, plane ? flat : deep, collision, keys.count("voids") != 0, threads, repeats);
+        fmt::print("{} thread(s), {}; rates by processor time a thread\n"
+                   "lattice      size   GB/s    M/s      M/s wall   B/node  B/update bound A  bound B\n",
+          threads, lbm::stepKernels().name);
+        for (const auto stencil : { lbm::Stencil::D2Q5, lbm::Stencil::D2Q9, lbm::Stencil::D3Q7, lbm::Stencil::D3Q19 })
+        {
+          const bool plane = stencil == lbm::Stencil::D2Q5 || stencil == lbm::Stencil::D2Q9;
+          if (keys.count("only") != 0 && keys.at("only") != lbm::name(stencil))
+            continue;
+          measure(stencil, plane ? flat : deep, collision, keys.count("voids") != 0, threads, repeats);
+        }
       }
-    }
-  }
-  catch (const Error& e)
-  {
-    fmt::print(stderr, "error: {}\nhint: {}\n", e.what(), e.hint());
-    return 1;
-  }
-  return 0;
+    });
 }

@@ -26,6 +26,7 @@ namespace
 {
 
 using namespace lamella;
+using namespace lamella::benchmark;
 using namespace lamella::mpm;
 
 struct Rates
@@ -40,8 +41,7 @@ template <int Dim>
 Rates measure(std::shared_ptr<const PointLaw<Dim>> law, double stiffness, int cells, int perCell, bool porous,
   bool fused, int steps, int repeats, Precision precision = Precision::Double)
 {
-  const auto body =
-    benchmark::block<Dim>(std::move(law), stiffness, cells, perCell, porous, fused, Communicator(), precision);
+  const auto body = block<Dim>(std::move(law), stiffness, cells, perCell, porous, fused, Communicator(), precision);
   Rates rates;
   rates.points = body->points().count();
   rates.bytes = body->points().bytes() / rates.points;
@@ -51,17 +51,12 @@ Rates measure(std::shared_ptr<const PointLaw<Dim>> law, double stiffness, int ce
   for (int r = 0; r < repeats; ++r)
   {
     const auto from = Clock::now();
-    const double t = benchmark::cpu();
+    const double t = cpu();
     body->advance(steps);
     const double updates = static_cast<double>(rates.points) * steps / 1e6;
-    processor.push_back(updates / (benchmark::cpu() - t));
+    processor.push_back(updates / (cpu() - t));
     wall.push_back(updates / secondsSince(from));
   }
-  const auto median = [](std::vector<double>& v)
-  {
-    std::sort(v.begin(), v.end());
-    return v[v.size() / 2];
-  };
   rates.processor = median(processor);
   rates.wall = median(wall);
   return rates;
@@ -76,44 +71,38 @@ void print(const std::string& what, const Rates& r)
 
 int main(int argc, char** argv)
 {
-  try
-  {
-    const bool quick = benchmark::keysOf(argc, argv).count("quick") != 0;
-    const int repeats = quick ? 3 : 7;
-    const int cells = quick ? 112 : 224;
-    const double young = OrthotropicMaterial{}.along;
-    const PointKernels& kernels = pointKernels();
-    fmt::print("Quadratic splines, lumped mass, APIC, double unless said; kernels {} with {} lanes for {} cell(s) at "
-               "once; {} thread(s)\n"
-               "millions of point updates a second                     points  processor      wall  bytes\n",
-      kernels.name, kernels.lanes, kernels.cells, omp_get_max_threads());
-    for (const int perCell : { 2, 3, 4 })
+  return told(
+    [&]
     {
-      const int side = cells * 2 / perCell;
-      const int steps = quick ? 10 : 20;
-      for (const bool porous : { false, true })
-        for (const Precision precision : { Precision::Double, Precision::Single })
-          print(fmt::format("orthotropic, {}, {} a cell{}", porous ? "porous" : "full", perCell * perCell,
-                  precision == Precision::Single ? ", single" : ""),
-            measure<2>(benchmark::wood<2>(), young, side, perCell, porous, true, steps, repeats, precision));
-    }
-    const auto isotropic = makeLaw<2, Isotropic>({ isotropicConstants<2>(IsotropicMaterial{}) });
-    const auto rubber = makeLaw<2, NeoHookean>({ { young / 2, young / 3 } });
-    print("isotropic, full, 4 a cell", measure<2>(isotropic, young, cells, 2, false, true, 20, repeats));
-    print("neo-Hookean, full, 4 a cell", measure<2>(rubber, young, cells, 2, false, true, 20, repeats));
-    print("orthotropic, full, 4 a cell, plain path",
-      measure<2>(benchmark::wood<2>(), young, cells / 4, 2, false, false, 5, 3));
-    for (const Precision precision : { Precision::Double, Precision::Single })
-      print(std::string("orthotropic, in space, full, 8 a cell") + (precision == Precision::Single ? ", single" : ""),
-        measure<3>(benchmark::wood<3>(), young, quick ? 16 : 28, 2, false, true, 10, repeats, precision));
-    print("neo-Hookean, in space, full, 8 a cell",
-      measure<3>(
-        makeLaw<3, NeoHookean>({ { young / 2, young / 3 } }), young, quick ? 16 : 28, 2, false, true, 10, repeats));
-  }
-  catch (const Error& e)
-  {
-    fmt::print(stderr, "error: {}\nhint: {}\n", e.what(), e.hint());
-    return 1;
-  }
-  return 0;
+      const bool quick = keysOf(argc, argv).count("quick") != 0;
+      const int repeats = quick ? 3 : 7;
+      const int cells = quick ? 112 : 224;
+      const double young = OrthotropicMaterial{}.along;
+      const PointKernels& kernels = pointKernels();
+      fmt::print("Quadratic splines, lumped mass, APIC, double unless said; kernels {} with {} lanes for {} cell(s) at "
+                 "once; {} thread(s)\n"
+                 "millions of point updates a second                     points  processor      wall  bytes\n",
+        kernels.name, kernels.lanes, kernels.cells, omp_get_max_threads());
+      for (const int perCell : { 2, 3, 4 })
+      {
+        const int side = cells * 2 / perCell;
+        const int steps = quick ? 10 : 20;
+        for (const bool porous : { false, true })
+          for (const Precision precision : { Precision::Double, Precision::Single })
+            print(fmt::format("orthotropic, {}, {} a cell{}", porous ? "porous" : "full", perCell * perCell,
+                    precision == Precision::Single ? ", single" : ""),
+              measure<2>(wood<2>(), young, side, perCell, porous, true, steps, repeats, precision));
+      }
+      const auto isotropic = makeLaw<2, Isotropic>({ isotropicConstants<2>(IsotropicMaterial{}) });
+      const auto rubber = makeLaw<2, NeoHookean>({ { young / 2, young / 3 } });
+      print("isotropic, full, 4 a cell", measure<2>(isotropic, young, cells, 2, false, true, 20, repeats));
+      print("neo-Hookean, full, 4 a cell", measure<2>(rubber, young, cells, 2, false, true, 20, repeats));
+      print("orthotropic, full, 4 a cell, plain path", measure<2>(wood<2>(), young, cells / 4, 2, false, false, 5, 3));
+      for (const Precision precision : { Precision::Double, Precision::Single })
+        print(std::string("orthotropic, in space, full, 8 a cell") + (precision == Precision::Single ? ", single" : ""),
+          measure<3>(wood<3>(), young, quick ? 16 : 28, 2, false, true, 10, repeats, precision));
+      print("neo-Hookean, in space, full, 8 a cell",
+        measure<3>(
+          makeLaw<3, NeoHookean>({ { young / 2, young / 3 } }), young, quick ? 16 : 28, 2, false, true, 10, repeats));
+    });
 }

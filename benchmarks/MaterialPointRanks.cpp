@@ -19,13 +19,8 @@ namespace
 {
 
 using namespace lamella;
+using namespace lamella::benchmark;
 using namespace lamella::mpm;
-
-double median(std::vector<double> v)
-{
-  std::sort(v.begin(), v.end());
-  return v[v.size() / 2];
-}
 
 /// @return seconds of the slowest rank, on rank 0
 template <int Dim>
@@ -42,9 +37,9 @@ void compare(const char* label, int cells, int perCell, bool porous, int pairs, 
   const Communicator world(MPI_COMM_WORLD);
   const bool first = world.rank() == 0;
   const double young = OrthotropicMaterial{}.along;
-  const auto law = benchmark::wood<Dim>();
-  const auto own = benchmark::block<Dim>(law, young, cells, perCell, porous, true);
-  const auto shared = benchmark::block<Dim>(law, young, cells, perCell, porous, true, world);
+  const auto law = wood<Dim>();
+  const auto own = block<Dim>(law, young, cells, perCell, porous, true);
+  const auto shared = block<Dim>(law, young, cells, perCell, porous, true, world);
   own->advance(steps);
   shared->advance(steps);
   std::vector<double> one;
@@ -55,12 +50,12 @@ void compare(const char* label, int cells, int perCell, bool porous, int pairs, 
   for (int i = 0; i < pairs; ++i)
   {
     omp_set_num_threads(1);
-    benchmark::waitForAll();
+    waitForAll();
     if (first)
       one.push_back(seconds(*own, steps));
-    benchmark::waitForAll();
+    waitForAll();
     all.push_back(seconds(*shared, steps));
-    benchmark::waitForAll();
+    waitForAll();
     const double slowest = world.max(seconds(*own, steps));
     omp_set_num_threads(world.size());
     if (first)
@@ -83,14 +78,14 @@ void compare(const char* label, int cells, int perCell, bool porous, int pairs, 
 
 int main(int argc, char** argv)
 {
-  if (!benchmark::onRanks(argc, argv, { "--bind-to", "none" })) // threads may go to every core
+  if (!onRanks(argc, argv, { "--bind-to", "none" })) // threads may go to every core
     return 1;
-  return benchmark::runWith(argc, argv,
-    [](const benchmark::Keys& keys)
+  return runWith(argc, argv,
+    [](const Keys& keys)
     {
-      const int cells = static_cast<int>(benchmark::number(keys, "cells", 224));
-      const int pairs = static_cast<int>(benchmark::number(keys, "pairs", 9));
-      const int steps = static_cast<int>(benchmark::number(keys, "steps", 20));
+      const int cells = static_cast<int>(number(keys, "cells", 224));
+      const int pairs = static_cast<int>(number(keys, "pairs", 9));
+      const int steps = static_cast<int>(number(keys, "steps", 20));
       const Communicator world(MPI_COMM_WORLD);
       if (world.rank() == 0)
         fmt::print(

@@ -1,7 +1,8 @@
 // From a scan to a lattice in one run on one core: reading, segmenting, outlines, the lattice, wall directions and the
 // middle lamella of about 3 Mpixel, each part's user CPU, medians of several turns.
+#include "Timing.h"
+
 #include "core/Clock.h"
-#include "core/Error.h"
 #include "generators/Generators.h"
 #include "generators/MicrographLook.h"
 #include "outlines/ContourExtraction.h"
@@ -30,6 +31,7 @@ namespace
 {
 
 using namespace lamella;
+using namespace lamella::benchmark;
 using namespace lamella::micrograph;
 
 constexpr double megapixels = 3;
@@ -154,8 +156,7 @@ void measure(const std::string& name, const Picture& picture, int turns)
     std::vector<double> values;
     for (const Turn& turn : all)
       values.push_back(value(turn));
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
+    return lamella::median(values);
   };
   const auto upTo = [&](std::size_t count)
   {
@@ -185,29 +186,26 @@ void measure(const std::string& name, const Picture& picture, int turns)
 
 // micrograph-speed [turns [picture pixel-size-in-metres]]; pictures are put beside their mirror images up to 3 Mpixel
 int main(int argc, char** argv)
-try
 {
-  stayOnOneCore();
-  const int turns = argc > 1 ? std::max(1, static_cast<int>(std::strtol(argv[1], nullptr, 10))) : 7;
-  ReadOptions read;
-  read.keepColour = true;
-  if (argc > 3)
-  {
-    read.pixelSize = std::strtod(argv[3], nullptr);
-    measure(std::filesystem::path(argv[2]).filename(), tiled(readPicture(argv[2], read)), turns);
-    return 0;
-  }
-  measure("generated softwood", generated(), turns);
-  if (const char* const folder = std::getenv("LAMELLA_REAL_DATA"))
-  {
-    read.pixelSize = 1e-6 / 2.2675;
-    const char* const name = "conifer_roxas_scan.jpg";
-    measure(name, tiled(readPicture(std::filesystem::path(folder) / name, read)), turns);
-  }
-  return 0;
-}
-catch (const lamella::Error& e)
-{
-  fmt::print(stderr, "error: {}\nhint: {}\n", e.what(), e.hint());
-  return 1;
+  return told(
+    [&]
+    {
+      stayOnOneCore();
+      const int turns = argc > 1 ? std::max(1, static_cast<int>(std::strtol(argv[1], nullptr, 10))) : 7;
+      ReadOptions read;
+      read.keepColour = true;
+      if (argc > 3)
+      {
+        read.pixelSize = std::strtod(argv[3], nullptr);
+        measure(std::filesystem::path(argv[2]).filename(), tiled(readPicture(argv[2], read)), turns);
+        return;
+      }
+      measure("generated softwood", generated(), turns);
+      if (const char* const folder = std::getenv("LAMELLA_REAL_DATA"))
+      {
+        read.pixelSize = 1e-6 / 2.2675;
+        const char* const name = "conifer_roxas_scan.jpg";
+        measure(name, tiled(readPicture(std::filesystem::path(folder) / name, read)), turns);
+      }
+    });
 }

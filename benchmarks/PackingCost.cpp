@@ -54,12 +54,46 @@ PackingOptions sample(const Keys& keys, int dimension, int seed)
   return o;
 }
 
-/// Means over the seeds; the packing fraction less that of the hardest sample of the same seed.
+/// Means over the seeds.
+struct Means
+{
+  double seconds = 0;
+  double fraction = 0;
+  double error = 0; ///< of the packing fraction, against the best sample of the same seed
+  double excess = 0;
+  double excessShare = 0;
+  double unbalanced = 0;
+};
+
+/// @param sampleOf seed -> what is packed
+/// @param best packing fractions by seed; filled where there are none
+template <class SampleOf>
+Means means(const Keys& keys, SampleOf&& sampleOf, std::vector<double>& best)
+{
+  const int seeds = static_cast<int>(number(keys, "seeds", 5));
+  const bool first = best.empty();
+  Means m;
+  for (int seed = 1; seed <= seeds; ++seed)
+  {
+    const Run run = timed(sampleOf(seed));
+    const PackingStatistics& s = run.statistics;
+    if (first)
+      best.push_back(s.packingFraction);
+    m.seconds += run.seconds / seeds;
+    m.fraction += s.packingFraction / seeds;
+    m.error += std::fabs(s.packingFraction - best.at(static_cast<std::size_t>(seed - 1))) / seeds;
+    m.excess += excess(run) / seeds;
+    m.excessShare += excess(run) / static_cast<double>(s.grainContacts + s.wallContacts) / seeds;
+    m.unbalanced += run.packing.unbalanced / seeds;
+  }
+  return m;
+}
+
+/// Against the hardest samples.
 void softness(const Keys& keys)
 {
   Table table(keys, "packing", "softness",
     "dimension,softness,cpu_seconds,fraction,fraction_error,excess,excess_share,unbalanced");
-  const int seeds = static_cast<int>(number(keys, "seeds", 5));
   for (const int dimension : { 2, 3 })
   {
     std::vector<double> hardest;
@@ -67,66 +101,44 @@ void softness(const Keys& keys)
       "{}D: softness, CPU [s], packing fraction, its error, contacts beyond isostaticity, net force\n", dimension);
     for (const double softness : { 1e-7, 1e-6, 1e-5, 1e-4, 1e-3, 1e-2 })
     {
-      double seconds = 0;
-      double fraction = 0;
-      double error = 0;
-      double more = 0;
-      double share = 0;
-      double unbalanced = 0;
-      for (int seed = 1; seed <= seeds; ++seed)
+      const auto sampleOf = [&](int seed)
       {
         PackingOptions o = sample(keys, dimension, seed);
         o.softness = softness;
-        const Run run = timed(o);
-        if (softness == 1e-7)
-          hardest.push_back(run.statistics.packingFraction);
-        seconds += run.seconds / seeds;
-        fraction += run.statistics.packingFraction / seeds;
-        error += std::fabs(run.statistics.packingFraction - hardest.at(static_cast<std::size_t>(seed - 1))) / seeds;
-        more += excess(run) / seeds;
-        share += excess(run) / static_cast<double>(run.statistics.grainContacts + run.statistics.wallContacts) / seeds;
-        unbalanced += run.packing.unbalanced / seeds;
-      }
-      table.line(dimension, softness, seconds, fraction, error, more, share, unbalanced);
-      fmt::print(
-        "{:8.0e} {:8.3f} {:10.6f} {:10.2e} {:8.1f} {:10.1e}\n", softness, seconds, fraction, error, more, unbalanced);
+        return o;
+      };
+      const Means m = means(keys, sampleOf, hardest);
+      table.line(dimension, softness, m.seconds, m.fraction, m.error, m.excess, m.excessShare, m.unbalanced);
+      fmt::print("{:8.0e} {:8.3f} {:10.6f} {:10.2e} {:8.1f} {:10.1e}\n", softness, m.seconds, m.fraction, m.error,
+        m.excess, m.unbalanced);
       std::fflush(stdout);
     }
   }
 }
 
-/// The packing fraction, against the tightest sample of the same seed; only with friction is the way to rest iterated
-/// all the way (Newton's method ends far below any tolerance).
+/// Against the tightest samples; only with friction is the way to rest iterated all the way (Newton's method ends far
+/// below any tolerance).
 void tolerance(const Keys& keys)
 {
   Table table(keys, "packing", "tolerance", "friction,tolerance,cpu_seconds,fraction,fraction_error,unbalanced");
-  const int seeds = static_cast<int>(number(keys, "seeds", 5));
   for (const double friction : { 0.0, 0.3 })
   {
     std::vector<double> tightest;
     fmt::print("friction {}: tolerance, CPU [s], packing fraction, its error, net force\n", friction);
     for (const double tolerance : { 1e-6, 1e-5, 1e-4, 1e-3, 1e-2 })
     {
-      double seconds = 0;
-      double fraction = 0;
-      double error = 0;
-      double unbalanced = 0;
-      for (int seed = 1; seed <= seeds; ++seed)
+      const auto sampleOf = [&](int seed)
       {
         PackingOptions o = sample(keys, 2, seed);
         o.softness = 1e-5;
         o.friction = friction;
         o.tolerance = tolerance;
-        const Run run = timed(o);
-        if (tolerance == 1e-6)
-          tightest.push_back(run.statistics.packingFraction);
-        seconds += run.seconds / seeds;
-        fraction += run.statistics.packingFraction / seeds;
-        error += std::fabs(run.statistics.packingFraction - tightest.at(static_cast<std::size_t>(seed - 1))) / seeds;
-        unbalanced += run.packing.unbalanced / seeds;
-      }
-      table.line(friction, tolerance, seconds, fraction, error, unbalanced);
-      fmt::print("{:8.0e} {:8.3f} {:10.6f} {:10.2e} {:10.1e}\n", tolerance, seconds, fraction, error, unbalanced);
+        return o;
+      };
+      const Means m = means(keys, sampleOf, tightest);
+      table.line(friction, tolerance, m.seconds, m.fraction, m.error, m.unbalanced);
+      fmt::print(
+        "{:8.0e} {:8.3f} {:10.6f} {:10.2e} {:10.1e}\n", tolerance, m.seconds, m.fraction, m.error, m.unbalanced);
       std::fflush(stdout);
     }
   }
@@ -136,9 +148,5 @@ void tolerance(const Keys& keys)
 
 int main(int argc, char** argv)
 {
-  return runWith(
-    argc, argv,
-    [](const Keys& keys) {
-      runStudies(keys, { { "softness", [&] { softness(keys); } }, { "tolerance", [&] { tolerance(keys); } } });
-    });
+  return runStudies(argc, argv, { { "softness", softness }, { "tolerance", tolerance } });
 }

@@ -1,5 +1,6 @@
 // Packings: user CPU of 400 disks and 1000 spheres from a random start to rest, and what the samples are like.
-#include "core/Error.h"
+#include "Timing.h"
+
 #include "packing/Bridges.h"
 #include "packing/Packing.h"
 
@@ -10,20 +11,12 @@
 #include <string>
 #include <vector>
 
-#include <sys/resource.h>
-
 namespace
 {
 
 using namespace lamella;
+using namespace lamella::benchmark;
 using namespace lamella::packing;
-
-double userSeconds()
-{
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
-}
 
 void measure(const char* label, PackingOptions options, int samples)
 {
@@ -55,24 +48,21 @@ void measure(const char* label, PackingOptions options, int samples)
 } // namespace
 
 int main(int argc, char** argv)
-try
 {
-  const bool quick = argc > 1 && std::string(argv[1]) == "--quick";
-  measure("400 disks between walls", {}, 30);
-  PackingOptions periodic;
-  periodic.periodic = true;
-  measure("400 disks, periodic", periodic, 3);
-  PackingOptions rough;
-  rough.friction = 0.3;
-  measure("400 disks between walls, friction 0.3", rough, 3);
-  PackingOptions spheres;
-  spheres.dimension = 3;
-  spheres.count = 1000;
-  measure("1000 spheres between walls", spheres, quick ? 1 : 3);
-  return 0;
-}
-catch (const lamella::Error& e)
-{
-  fmt::print(stderr, "error: {}\nhint: {}\n", e.what(), e.hint());
-  return 1;
+  return told(
+    [&]
+    {
+      const bool quick = argc > 1 && std::string(argv[1]) == "--quick";
+      measure("400 disks between walls", {}, 30);
+      PackingOptions periodic;
+      periodic.periodic = true;
+      measure("400 disks, periodic", periodic, 3);
+      PackingOptions rough;
+      rough.friction = 0.3;
+      measure("400 disks between walls, friction 0.3", rough, 3);
+      PackingOptions spheres;
+      spheres.dimension = 3;
+      spheres.count = 1000;
+      measure("1000 spheres between walls", spheres, quick ? 1 : 3);
+    });
 }

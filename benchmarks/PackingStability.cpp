@@ -249,13 +249,7 @@ void bridges(const Keys& keys)
 
 int main(int argc, char** argv)
 {
-  return runWith(
-    argc, argv,
-    [](const Keys& keys)
-    {
-      runStudies(keys,
-        { { "ratio", [&] { ratio(keys); } }, { "friction", [&] { friction(keys); } },
-          { "softness", [&] { softness(keys); } }, { "aspect", [&] { aspect(keys); } },
-          { "loose", [&] { loose(keys); } }, { "bridges", [&] { bridges(keys); } } });
-    });
+  return runStudies(argc, argv,
+    { { "ratio", ratio }, { "friction", friction }, { "softness", softness }, { "aspect", aspect }, { "loose", loose },
+      { "bridges", bridges } });
 }

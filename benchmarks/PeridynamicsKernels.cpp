@@ -3,6 +3,7 @@
 // user CPU, median of seven. Under mpirun in wall-clock time: one rank while the others sleep, all ranks on one
 // lattice, and, for what the machine allows, each rank on a whole lattice of its own at the same time.
 #include "Ranks.h"
+#include "Timing.h"
 
 #include "core/Clock.h"
 #include "core/Communicator.h"
@@ -26,21 +27,14 @@
 #include <string>
 #include <vector>
 
-#include <sys/resource.h>
 #include <unistd.h>
 
 namespace
 {
 
 using namespace lamella;
+using namespace lamella::benchmark;
 using namespace lamella::peridynamics;
-
-double userSeconds()
-{
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
-}
 
 /// Seconds of one call.
 template <class F>
@@ -56,8 +50,7 @@ double measure(F&& f, bool wall, int repeats)
       f();
     times.push_back((wall ? secondsSince(from) : userSeconds() - start) / repeats);
   }
-  std::sort(times.begin(), times.end());
-  return times[times.size() / 2];
+  return median(times);
 }
 
 struct Scene
@@ -154,13 +147,13 @@ void compareRanks(const Scene& scene, int repeats)
   std::array<double, 2> rate{};
   for (int turn = 0; turn < 9; ++turn)
   {
-    benchmark::waitForAll();
+    waitForAll();
     std::array<double, 2> one{};
     if (world.rank() == 0)
       one = ours<double>(whole, true, repeats);
-    benchmark::waitForAll();
+    waitForAll();
     const auto all = ours<double>(part, true, repeats);
-    benchmark::waitForAll();
+    waitForAll();
     auto each = ours<double>(whole, true, repeats);
     world.sum(each);
     for (std::size_t k = 0; k < 2; ++k)

@@ -3,6 +3,8 @@
 // into memory that is there already. Volumes: voxels a second. And VTK's own way: Debian's ParaView has no
 // vtkImageConnectivityFilter (module ImagingMorphological), so vtkThreshold and vtkConnectivityFilter, as one does it
 // there, on cells that hang together over corners.
+#include "Timing.h"
+
 #include "generators/Generators.h"
 #include "pores/PoreLabelling.h"
 
@@ -26,21 +28,13 @@
 #include <string>
 #include <vector>
 
-#include <sys/resource.h>
-
 namespace
 {
 
 using namespace lamella;
+using namespace lamella::benchmark;
 
 constexpr unsigned seed = 1;
-
-double userSeconds()
-{
-  rusage usage{};
-  getrusage(RUSAGE_SELF, &usage);
-  return static_cast<double>(usage.ru_utime.tv_sec) + 1e-6 * static_cast<double>(usage.ru_utime.tv_usec);
-}
 
 /// Median of the runs' user CPU seconds.
 template <typename Action>
@@ -53,8 +47,7 @@ double timed(int runs, const Action& action)
     action();
     seconds.push_back(userSeconds() - start);
   }
-  std::sort(seconds.begin(), seconds.end());
-  return seconds[seconds.size() / 2];
+  return median(seconds);
 }
 
 struct Sample

@@ -40,12 +40,6 @@ std::vector<std::uint8_t> phasesOf(const Lattice& l)
   return phase;
 }
 
-double median(std::vector<double> v)
-{
-  std::sort(v.begin(), v.end());
-  return v.empty() ? 0 : v[v.size() / 2];
-}
-
 /// Every size once, and how far the worst is from the median.
 template <class F>
 void each(const std::vector<double>& sizes, F&& cost)
@@ -129,12 +123,7 @@ void bonds(const Keys& keys, int dimension)
 
 int main(int argc, char** argv)
 {
-  return runWith(
-    argc, argv,
-    [](const Keys& keys)
-    {
-      runStudies(keys,
-        { { "diffusion", [&] { diffusion(keys); } }, { "bonds", [&] { bonds(keys, 2); } },
-          { "bonds-3d", [&] { bonds(keys, 3); } } });
-    });
+  return runStudies(argc, argv,
+    { { "diffusion", diffusion }, { "bonds", [](const Keys& keys) { bonds(keys, 2); } },
+      { "bonds-3d", [](const Keys& keys) { bonds(keys, 3); } } });
 }

@@ -276,13 +276,6 @@ struct Tally
   }
 };
 
-double median(std::vector<double> values)
-{
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 using Tallies = std::map<std::string, Tally>;
 
 void print(const Tallies& tallies)

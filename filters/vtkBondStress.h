@@ -38,13 +38,13 @@ public:
    * error when there is none. Off: from the settings below.
    * @group Input
    */
-  vtkSwitchMacro(ModelFromInput);
+  vtkSwitchMacro(ModelFromInput, true);
 
   /**
    * Also the strain energy of every node.
    * @group Input
    */
-  vtkSwitchMacro(ComputeStrainEnergy);
+  vtkSwitchMacro(ComputeStrainEnergy, false);
 
 protected:
   vtkBondStress();
@@ -55,9 +55,6 @@ protected:
 private:
   vtkBondStress(const vtkBondStress&) = delete;
   void operator=(const vtkBondStress&) = delete;
-
-  bool ModelFromInput = true;
-  bool ComputeStrainEnergy = false;
 };
 
 #endif

@@ -55,21 +55,21 @@ public:
    * @word lumen, phase
    * @group Lumens
    */
-  vtkSettingMacro(Phase, std::string);
+  vtkSettingMacro(Phase, std::string, "");
 
   /**
    * Share of its area at the start at which a lumen has collapsed.
    * @group Lumens
    * @range (0, 1)
    */
-  vtkSettingMacro(Share, double);
+  vtkSettingMacro(Share, double, 0.5);
 
   /**
    * Lumens of fewer pixels or voxels are left out.
    * @group Lumens
    * @range [0, inf)
    */
-  vtkSettingMacro(MinimumSize, int);
+  vtkSettingMacro(MinimumSize, int, 1);
 
   /** The points, input 1: where they come from, time steps and all; or one state more. */
   void SetPointsConnection(vtkAlgorithmOutput* points);
@@ -96,9 +96,6 @@ private:
 
   struct Work;
 
-  std::string Phase;
-  double Share = 0.5;
-  int MinimumSize = 1;
   std::vector<double> Times; ///< of the steps that input 1 offers
   std::size_t Step = 0;      ///< the one that is asked for
   std::unique_ptr<Work> Run; ///< from the first step to the last

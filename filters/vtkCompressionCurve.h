@@ -44,7 +44,7 @@ public:
    * @group Curve
    * @columns from, to
    */
-  vtkSettingVector2Macro(StiffnessRange, double);
+  vtkSettingVector2Macro(StiffnessRange, double, 0, 0.03);
 
   /**
    * Width in strain of the steepest window within that range that is fitted instead, for curves that begin with a toe.
@@ -52,28 +52,28 @@ public:
    * @group Curve
    * @range [0, inf)
    */
-  vtkSettingMacro(Window, double);
+  vtkSettingMacro(Window, double, 0);
 
   /**
    * Plastic strain at the yield stress.
    * @group Curve
    * @range [0, 1)
    */
-  vtkSettingMacro(Offset, double);
+  vtkSettingMacro(Offset, double, 0.002);
 
   /**
    * Strains between which the plateau's mean is taken, such as 0.2 and 0.4. 0 and 0: from collapse to densification.
    * @group Curve
    * @columns from, to
    */
-  vtkSettingVector2Macro(PlateauRange, double);
+  vtkSettingVector2Macro(PlateauRange, double, 0, 0);
 
   /**
    * Width in strain over which stresses are smoothed before maxima and crossings are looked for. 0: not at all.
    * @group Curve
    * @range [0, 1]
    */
-  vtkSettingMacro(Smoothing, double);
+  vtkSettingMacro(Smoothing, double, 0.01);
 
   /**
    * Share that the curve falls by beyond a maximum that counts.
@@ -81,7 +81,7 @@ public:
    * @advanced
    * @range [0, 1)
    */
-  vtkSettingMacro(Prominence, double);
+  vtkSettingMacro(Prominence, double, 0.05);
 
 protected:
   vtkCompressionCurve();
@@ -96,13 +96,6 @@ private:
   void operator=(const vtkCompressionCurve&) = delete;
 
   void Run(vtkTable* input, vtkTable* output);
-
-  double StiffnessRange[2] = { 0, 0.03 };
-  double Window = 0;
-  double Offset = 0.002;
-  double PlateauRange[2] = { 0, 0 };
-  double Smoothing = 0.01;
-  double Prominence = 0.05;
 };
 
 #endif

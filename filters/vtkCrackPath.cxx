@@ -20,7 +20,6 @@
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkIntArray.h"
-#include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
@@ -226,15 +225,7 @@ vtkCrackPath::vtkCrackPath()
   this->SetInputArrayToProcess(0, 1, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
   this->SetInputArrayToProcess(1, 1, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "grain");
   this->SetInputArrayToProcess(2, 1, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "displacement");
-  this->vtkCrackPath::SetController(vtkMultiProcessController::GetGlobalController());
 }
-
-vtkCrackPath::~vtkCrackPath()
-{
-  this->vtkCrackPath::SetController(nullptr);
-}
-
-vtkCxxSetObjectMacro(vtkCrackPath, Controller, vtkMultiProcessController);
 
 void vtkCrackPath::SetImageData(vtkImageData* image)
 {

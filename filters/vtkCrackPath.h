@@ -60,12 +60,13 @@
 #ifndef vtkCrackPath_h
 #define vtkCrackPath_h
 
-#include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkLamellaFiltersModule.h"   // for export macro
+#include "vtkMultiProcessController.h" // for the smart pointer
 #include "vtkPolyDataAlgorithm.h"
 #include "vtkSetting.h"
+#include "vtkSmartPointer.h"
 
 class vtkImageData;
-class vtkMultiProcessController;
 class vtkTable;
 
 class VTKLAMELLAFILTERS_EXPORT vtkCrackPath : public vtkPolyDataAlgorithm
@@ -82,7 +83,7 @@ public:
    * @group Cracks
    * @unit spacings
    */
-  vtkSettingMacro(MinimumLength, double);
+  vtkSettingMacro(MinimumLength, double, -1);
 
   /**
    * Branches that end in solid after no more than this are taken away [spacings]. -1: twice the horizon.
@@ -91,7 +92,7 @@ public:
    * @unit spacings
    * @advanced
    */
-  vtkSettingMacro(SpurLength, double);
+  vtkSettingMacro(SpurLength, double, -1);
 
   /**
    * Length of the longest bonds [spacings]. 0: as the broken bonds tell.
@@ -100,14 +101,14 @@ public:
    * @range [0, 8]
    * @advanced
    */
-  vtkSettingMacro(Horizon, double);
+  vtkSettingMacro(Horizon, double, 0);
 
   /**
    * Where there is an image, find the pieces that no unbroken bond joins.
    * @group Cracks
    * @off no-fragments: Do not look for the pieces that no unbroken bond joins.
    */
-  vtkSwitchMacro(ComputeFragments);
+  vtkSwitchMacro(ComputeFragments, true);
 
   /** The image of phases, input 1. */
   void SetImageData(vtkImageData* image);
@@ -122,13 +123,13 @@ public:
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
 protected:
   vtkCrackPath();
-  ~vtkCrackPath() override;
+  ~vtkCrackPath() override = default;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int FillOutputPortInformation(int port, vtkInformation* info) override;
@@ -142,11 +143,7 @@ private:
 
   struct Work;
 
-  double MinimumLength = -1;
-  double SpurLength = -1;
-  double Horizon = 0;
-  bool ComputeFragments = true;
-  vtkMultiProcessController* Controller = nullptr;
+  vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
 
 #endif

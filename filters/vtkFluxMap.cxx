@@ -18,7 +18,6 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
@@ -489,25 +488,11 @@ vtkStandardNewMacro(vtkFluxMap);
 vtkFluxMap::vtkFluxMap()
 {
   this->SetNumberOfOutputPorts(2);
-  this->SetController(vtkMultiProcessController::GetGlobalController());
 }
-
-vtkFluxMap::~vtkFluxMap()
-{
-  this->SetController(nullptr);
-}
-
-vtkCxxSetObjectMacro(vtkFluxMap, Controller, vtkMultiProcessController);
 
 vtkPolyData* vtkFluxMap::GetStreamlines()
 {
   return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-int vtkFluxMap::FillInputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
-  return 1;
 }
 
 int vtkFluxMap::FillOutputPortInformation(int port, vtkInformation* info)

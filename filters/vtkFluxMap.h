@@ -35,12 +35,11 @@
 #define vtkFluxMap_h
 
 #include "vtkImageAlgorithm.h"
-#include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkLamellaFiltersModule.h"   // for export macro
+#include "vtkMultiProcessController.h" // for the smart pointer
 #include "vtkSetting.h"
+#include "vtkSmartPointer.h"
 
-#include <memory> // for std::unique_ptr
-
-class vtkMultiProcessController;
 class vtkPolyData;
 
 class VTKLAMELLAFILTERS_EXPORT vtkFluxMap : public vtkImageAlgorithm
@@ -62,7 +61,7 @@ public:
    * @group Map
    * @choice Directions
    */
-  vtkSettingMacro(Direction, int);
+  vtkSettingMacro(Direction, int, AUTO);
 
   /**
    * Each carries the same share of the flux through the inlet. 0: none are computed.
@@ -70,22 +69,21 @@ public:
    * @word streamlines
    * @range [0, 1000000]
    */
-  vtkSettingMacro(NumberOfStreamlines, int);
+  vtkSettingMacro(NumberOfStreamlines, int, 60);
 
   /** The streamlines, output 1. */
   vtkPolyData* GetStreamlines();
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
 protected:
   vtkFluxMap();
-  ~vtkFluxMap() override;
+  ~vtkFluxMap() override = default;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
   int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
@@ -96,9 +94,7 @@ private:
 
   struct Work;
 
-  int Direction = AUTO;
-  int NumberOfStreamlines = 60;
-  vtkMultiProcessController* Controller = nullptr;
+  vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
 
 #endif

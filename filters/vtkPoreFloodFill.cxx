@@ -17,7 +17,6 @@
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkIntArray.h"
-#include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
@@ -199,15 +198,7 @@ vtkPoreFloodFill::vtkPoreFloodFill()
 {
   this->SetNumberOfOutputPorts(3);
   this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
-  this->SetController(vtkMultiProcessController::GetGlobalController());
 }
-
-vtkPoreFloodFill::~vtkPoreFloodFill()
-{
-  this->SetController(nullptr);
-}
-
-vtkCxxSetObjectMacro(vtkPoreFloodFill, Controller, vtkMultiProcessController);
 
 vtkTable* vtkPoreFloodFill::GetPores()
 {
@@ -217,12 +208,6 @@ vtkTable* vtkPoreFloodFill::GetPores()
 vtkTable* vtkPoreFloodFill::GetSizeDistribution()
 {
   return vtkTable::SafeDownCast(this->GetOutputDataObject(2));
-}
-
-int vtkPoreFloodFill::FillInputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
-  return 1;
 }
 
 int vtkPoreFloodFill::FillOutputPortInformation(int port, vtkInformation* info)

@@ -39,12 +39,13 @@
 #define vtkPoreFloodFill_h
 
 #include "vtkImageAlgorithm.h"
-#include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkLamellaFiltersModule.h"   // for export macro
+#include "vtkMultiProcessController.h" // for the smart pointer
 #include "vtkSetting.h"
+#include "vtkSmartPointer.h"
 
 #include <string> // for the phase
 
-class vtkMultiProcessController;
 class vtkTable;
 
 class VTKLAMELLAFILTERS_EXPORT vtkPoreFloodFill : public vtkImageAlgorithm
@@ -58,51 +59,51 @@ public:
    * The phase whose pores are wanted: its name, or its number where phases have no names. Empty: the first that is
    * called void, pore, lumen or air.
    */
-  vtkSettingMacro(Phase, std::string);
+  vtkSettingMacro(Phase, std::string, "");
 
   /**
    * Over what nodes hang together: 4 or 8 neighbours in a picture, 6, 18 or 26 in a volume.
    * @values 0 = Sides or faces (4 or 6); 4 = 4 (picture: sides); 8 = 8 (picture: and corners); 6 = 6 (volume: faces);
    * 18 = 18 (volume: and edges); 26 = 26 (volume: and corners)
    */
-  vtkSettingMacro(Connectivity, int);
+  vtkSettingMacro(Connectivity, int, 0);
 
   /**
    * Along x, y, z: 1 where the image goes on at its other end.
    * @columns x, y, z
    * @range [0, 1]
    */
-  vtkSettingVector3Macro(Periodic, int);
+  vtkSettingVector3Macro(Periodic, int, 0, 0, 0);
 
   /**
    * Pores of fewer pixels or voxels get no label and no row in the table.
    * @range [0, inf)
    */
-  vtkSettingMacro(MinimumSize, int);
+  vtkSettingMacro(MinimumSize, int, 1);
 
   /**
    * Label 1 is the largest pore; otherwise pores are numbered in the order of memory.
    * @off no-sort-by-size: Number pores in the order of memory, not by size.
    */
-  vtkSwitchMacro(SortBySize);
+  vtkSwitchMacro(SortBySize, true);
 
   /**
    * Whether the image carries `pore`, and `pore_size` with it. Off, pores are counted and measured only.
    */
-  vtkSwitchMacro(ComputeLabels);
+  vtkSwitchMacro(ComputeLabels, true);
 
   /**
    * Also give each node the size of its pore (`pore_size`), to colour by (on a log scale).
    * @advanced
    * @off no-pore-size: Do not give each node the size of its pore.
    */
-  vtkSwitchMacro(ComputePoreSize);
+  vtkSwitchMacro(ComputePoreSize, true);
 
   /**
    * More pores are an error. What 32 bits hold, the default, is the most that there can be.
    * @range [1, inf)
    */
-  vtkSettingMacro(MaximumNumberOfLabels, int);
+  vtkSettingMacro(MaximumNumberOfLabels, int, 2147483647);
 
   /** The tables, outputs 1 and 2. */
   vtkTable* GetPores();
@@ -110,15 +111,14 @@ public:
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
 protected:
   vtkPoreFloodFill();
-  ~vtkPoreFloodFill() override;
+  ~vtkPoreFloodFill() override = default;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
   int FillOutputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
@@ -129,15 +129,7 @@ private:
 
   struct Work;
 
-  std::string Phase;
-  int Connectivity = 0;
-  int Periodic[3] = { 0, 0, 0 };
-  int MinimumSize = 1;
-  bool SortBySize = true;
-  bool ComputeLabels = true;
-  bool ComputePoreSize = true;
-  int MaximumNumberOfLabels = 2147483647;
-  vtkMultiProcessController* Controller = nullptr;
+  vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
 
 #endif

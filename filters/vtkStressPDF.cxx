@@ -15,7 +15,6 @@
 #include "vtkFieldData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkMultiProcessController.h"
 #include "vtkObjectFactory.h"
 #include "vtkSMPTools.h"
 #include "vtkTable.h"
@@ -124,15 +123,7 @@ vtkStressPDF::vtkStressPDF()
   this->SetNumberOfOutputPorts(3);
   this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "stress");
   this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
-  this->vtkStressPDF::SetController(vtkMultiProcessController::GetGlobalController());
 }
-
-vtkStressPDF::~vtkStressPDF()
-{
-  this->vtkStressPDF::SetController(nullptr);
-}
-
-vtkCxxSetObjectMacro(vtkStressPDF, Controller, vtkMultiProcessController);
 
 void vtkStressPDF::AddPhase(const char* phase)
 {

@@ -41,14 +41,14 @@
 #ifndef vtkStressPDF_h
 #define vtkStressPDF_h
 
-#include "vtkLamellaFiltersModule.h" // for export macro
+#include "vtkLamellaFiltersModule.h"   // for export macro
+#include "vtkMultiProcessController.h" // for the smart pointer
 #include "vtkSetting.h"
+#include "vtkSmartPointer.h"
 #include "vtkTableAlgorithm.h"
 
 #include <string> // for the phases
 #include <vector> // for the phases
-
-class vtkMultiProcessController;
 
 class VTKLAMELLAFILTERS_EXPORT vtkStressPDF : public vtkTableAlgorithm
 {
@@ -76,7 +76,7 @@ public:
    * @group Stresses
    * @choice Components
    */
-  vtkSettingMacro(Component, int);
+  vtkSettingMacro(Component, int, YY);
 
   ///@{
   /**
@@ -97,14 +97,14 @@ public:
    * @advanced
    * @off keep-platens: Take the layers of an image that the platens hold along, where bonds are missing.
    */
-  vtkSwitchMacro(LeaveOutPlatens);
+  vtkSwitchMacro(LeaveOutPlatens, true);
 
   /**
    * Width of a bin of the density, in mean tensile stresses.
    * @group Tail and density
    * @range (0, inf)
    */
-  vtkSettingMacro(BinWidth, double);
+  vtkSettingMacro(BinWidth, double, 0.05);
 
   /**
    * Where the density begins and ends, in mean tensile stresses. 0 and 0: wherever stresses are.
@@ -112,21 +112,21 @@ public:
    * @columns from, to
    * @advanced
    */
-  vtkSettingVector2Macro(Range, double);
+  vtkSettingVector2Macro(Range, double, 0, 0);
 
   /**
    * Where the tail begins, in mean tensile stresses. 0: by the tail's share.
    * @group Tail and density
    * @range [0, inf)
    */
-  vtkSettingMacro(Threshold, double);
+  vtkSettingMacro(Threshold, double, 0);
 
   /**
    * Where the threshold is 0: the largest tensile stresses that are the tail, as a share of all tensile ones.
    * @group Tail and density
    * @range (0, 1]
    */
-  vtkSettingMacro(TailShare, double);
+  vtkSettingMacro(TailShare, double, 0.1);
 
   /**
    * A stress to compare the means with [Pa], such as the pure matrix's at the same strain. 0: none.
@@ -135,7 +135,7 @@ public:
    * @unit Pa
    * @range [0, inf)
    */
-  vtkSettingMacro(ReferenceStress, double);
+  vtkSettingMacro(ReferenceStress, double, 0);
 
   /** Outputs 1 and 2. */
   vtkTable* GetPhaseTable();
@@ -143,13 +143,13 @@ public:
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
 protected:
   vtkStressPDF();
-  ~vtkStressPDF() override;
+  ~vtkStressPDF() override = default;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
@@ -161,15 +161,8 @@ private:
 
   struct Work;
 
-  int Component = YY;
   std::vector<std::string> Phases;
-  bool LeaveOutPlatens = true;
-  double BinWidth = 0.05;
-  double Range[2] = { 0, 0 };
-  double Threshold = 0;
-  double TailShare = 0.1;
-  double ReferenceStress = 0;
-  vtkMultiProcessController* Controller = nullptr;
+  vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
 
 #endif

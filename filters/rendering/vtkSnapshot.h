@@ -83,7 +83,7 @@ public:
    * @group Drawing
    * @choice Presets
    */
-  vtkSettingMacro(Preset, int);
+  vtkSettingMacro(Preset, int, AUTO);
   bool SetPresetByName(const char* name);
   static const char* GetPresetName(int preset);
   ///@}
@@ -106,7 +106,7 @@ public:
    * @names -1 = magnitude; 0 = x; 1 = y; 2 = z
    * @range [-1, 1000]
    */
-  vtkSettingMacro(Component, int);
+  vtkSettingMacro(Component, int, -1);
 
   ///@{
   /**
@@ -149,7 +149,7 @@ public:
    * @off absolute-flux: The flux or stress itself, not over its mean.
    * @group Drawing
    */
-  vtkSwitchMacro(RelativeFlux);
+  vtkSwitchMacro(RelativeFlux, true);
 
   enum Overlays
   {
@@ -167,7 +167,7 @@ public:
    * @group Drawing
    * @choice Overlays
    */
-  vtkSettingMacro(Overlay, int);
+  vtkSettingMacro(Overlay, int, AUTO_OVERLAY);
   bool SetOverlayByName(const char* name);
   ///@}
 
@@ -176,7 +176,7 @@ public:
    * @group Drawing
    * @range [0, 500]
    */
-  vtkSettingMacro(OverlayCount, int);
+  vtkSettingMacro(OverlayCount, int, 0);
 
   ///@{
   /**
@@ -203,7 +203,7 @@ public:
    * @off no-outline: Leave out the thin line between void and solid.
    * @group Drawing
    */
-  vtkSwitchMacro(ShowOutline);
+  vtkSwitchMacro(ShowOutline, true);
 
   /**
    * Width and height of the whole picture in pixels. 0, 0: follows from the data, with a whole number of picture pixels
@@ -213,14 +213,14 @@ public:
    * @range [64, 16384]
    * @unset 0
    */
-  vtkSettingVector2Macro(Size, int);
+  vtkSettingVector2Macro(Size, int, 0, 0);
 
   /**
    * Size of all text, relative.
    * @group Page
    * @range [0.2, 5]
    */
-  vtkSettingMacro(FontScale, double);
+  vtkSettingMacro(FontScale, double, 1);
 
   /**
    * Background. Text is dark on light and light on dark backgrounds.
@@ -229,13 +229,13 @@ public:
    * @colour
    * @range [0, 1]
    */
-  vtkSettingVector3Macro(Background, double);
+  vtkSettingVector3Macro(Background, double, 1, 1, 1);
 
   /**
    * Leave the background out, so that the picture can be laid on anything.
    * @group Page
    */
-  vtkSwitchMacro(Transparent);
+  vtkSwitchMacro(Transparent, false);
 
   ///@{
   /**
@@ -267,40 +267,40 @@ public:
    * @off no-legend: Leave out the legend.
    * @group Page
    */
-  vtkSwitchMacro(ShowLegend);
+  vtkSwitchMacro(ShowLegend, true);
   /**
    * Scale bar.
    * @word scale-bar
    * @off no-scale-bar: Leave out the scale bar.
    * @group Page
    */
-  vtkSwitchMacro(ShowScaleBar);
+  vtkSwitchMacro(ShowScaleBar, true);
 
   /**
    * Volumes and surfaces: where they are looked at from, around z from the x axis towards y.
    * @group Page
    * @unit degrees
    */
-  vtkSettingMacro(Azimuth, double);
+  vtkSettingMacro(Azimuth, double, -60);
   /**
    * Volumes and surfaces: where they are looked at from, above the xy plane.
    * @group Page
    * @unit degrees
    * @range [-90, 90]
    */
-  vtkSettingMacro(Elevation, double);
+  vtkSettingMacro(Elevation, double, 30);
 
   /**
    * Volumes: opacity of the surface of the preset phase.
    * @group Page
    * @range [0, 1]
    */
-  vtkSettingMacro(Opacity, double);
+  vtkSettingMacro(Opacity, double, 1);
 
   /**
    * Write() may replace a file.
    */
-  vtkSwitchMacro(Overwrite);
+  vtkSwitchMacro(Overwrite, false);
 
   ///@{
   /**
@@ -348,22 +348,6 @@ private:
 
   bool Fail(const std::string& message, const std::string& hint);
 
-  int Preset = AUTO;
-  int Component = -1;
-  bool RelativeFlux = true;
-  int Overlay = AUTO_OVERLAY;
-  int OverlayCount = 0;
-  bool ShowOutline = true;
-  int Size[2] = { 0, 0 };
-  double FontScale = 1;
-  double Background[3] = { 1, 1, 1 };
-  bool Transparent = false;
-  bool ShowLegend = true;
-  bool ShowScaleBar = true;
-  double Azimuth = -60;
-  double Elevation = 30;
-  double Opacity = 1;
-  bool Overwrite = false;
   int DataRectangle[4] = { 0, 0, 0, 0 };
   double DrawnRange[2] = { 0, 0 };
 

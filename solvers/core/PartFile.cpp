@@ -45,11 +45,6 @@ std::atomic<bool> removed;
 std::atomic<int> holds;
 std::atomic<bool> due;
 
-fs::path folderOf(const fs::path& path)
-{
-  return path.parent_path().empty() ? fs::path(".") : path.parent_path();
-}
-
 /// Stands for where process numbers mean what they mean here: the machine, and in a container that.
 std::string_view here()
 {

@@ -7,6 +7,12 @@
 namespace lamella
 {
 
+/// Where a file is to be: "." of a name alone.
+[[nodiscard]] inline std::filesystem::path folderOf(const std::filesystem::path& path)
+{
+  return path.parent_path().empty() ? std::filesystem::path(".") : path.parent_path();
+}
+
 /// A file that is being written beside the place that it is for, under a name that nobody else can have made or can
 /// foresee to put a link there: it is made anew (O_EXCL) and no link is followed (O_NOFOLLOW). It goes away with this
 /// object unless it took its place; when a signal ends the program (removeAll()); and, when the program is killed, as

@@ -9,11 +9,6 @@ namespace lamella::generators
 namespace
 {
 
-double mix(double a, double b, double t)
-{
-  return a + (b - a) * t;
-}
-
 constexpr double widenedEnd = 0.98; // of the cell's depth: where widened() goes on as a straight line,
 constexpr double widenedSlope = 50; // this steep
 

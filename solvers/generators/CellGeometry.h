@@ -10,6 +10,12 @@
 namespace lamella::generators
 {
 
+/// a where t is 0, b where it is 1.
+inline double mix(double a, double b, double t)
+{
+  return a + (b - a) * t;
+}
+
 enum class CellKind : std::uint8_t
 {
   Tracheid,

@@ -24,11 +24,6 @@ constexpr double narrowFibres = 0.14; // share of the fibres that are cut near t
 constexpr double defaultScatter = 0.12;
 constexpr int relaxations = 3;
 
-inline double mix(double a, double b, double t)
-{
-  return a + (b - a) * t;
-}
-
 inline double smoothStep(double t)
 {
   t = std::clamp(t, 0.0, 1.0);

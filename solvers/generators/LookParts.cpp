@@ -15,11 +15,6 @@ namespace lamella::generators
 namespace
 {
 
-double mix(double a, double b, double t)
-{
-  return a + (b - a) * t;
-}
-
 std::int64_t countOf(const Random& random, RandomUse use, double perSquareMillimetre, double area)
 {
   return static_cast<std::int64_t>(perSquareMillimetre * area * 1e6 + random.uniform(use, -1));

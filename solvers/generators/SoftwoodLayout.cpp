@@ -35,11 +35,6 @@ constexpr double defaultScatter = 0.12;
 // the standard deviation of its length is √(2 (1 − 0.6²))/2 of theirs.
 constexpr double siteScatter = 1.77;
 
-double mix(double a, double b, double t)
-{
-  return a + (b - a) * t;
-}
-
 } // namespace
 
 SoftwoodLayout::SoftwoodLayout(const SoftwoodOptions& options)

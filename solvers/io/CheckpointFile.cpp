@@ -18,11 +18,6 @@ namespace fs = std::filesystem;
 namespace
 {
 
-fs::path folderOf(const fs::path& path)
-{
-  return path.parent_path().empty() ? fs::path(".") : path.parent_path();
-}
-
 std::string reason(int error)
 {
   return std::generic_category().message(error);

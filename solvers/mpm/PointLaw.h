@@ -79,16 +79,13 @@ public:
     return byPhase_[byPhase_.size() == 1 ? 0 : phase].data();
   }
   [[nodiscard]] int constantsCount() const noexcept override { return Law::constants; }
-  [[nodiscard]] Matrix<Dim> kirchhoff(
-    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history) const override
+  [[nodiscard]] Matrix<Dim> kirchhoff(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis,
+    [[maybe_unused]] const double* history) const override
   {
     if constexpr (Law::history > 0)
       return Law::template kirchhoff<Dim>(constants(phase), F, axis, history);
     else
-    {
-      (void)history;
       return Law::template kirchhoff<Dim, double>(constants(phase), F, axis);
-    }
   }
   [[nodiscard]] double thirdStress(
     std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history) const override
@@ -107,27 +104,21 @@ public:
     else
       return 1;
   }
-  [[nodiscard]] double energy(
-    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history) const override
+  [[nodiscard]] double energy(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis,
+    [[maybe_unused]] const double* history) const override
   {
     if constexpr (Law::history > 0)
       return Law::template energy<Dim>(constants(phase), F, axis, history);
     else
-    {
-      (void)history;
       return Law::template energy<Dim, double>(constants(phase), F, axis);
-    }
   }
-  [[nodiscard]] double stiffness(
-    std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history) const override
+  [[nodiscard]] double stiffness(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis,
+    [[maybe_unused]] const double* history) const override
   {
     if constexpr (Law::history > 0)
       return Law::template stiffness<Dim>(constants(phase), F, axis, history);
     else
-    {
-      (void)history;
       return Law::template stiffness<Dim>(constants(phase), F, axis);
-    }
   }
   void flow(std::size_t phase, Matrix<Dim>& F, const Vector<Dim>& axis, double* history) const override
   {

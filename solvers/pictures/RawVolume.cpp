@@ -2,6 +2,7 @@
 
 #include "core/Error.h"
 #include "core/Lower.h"
+#include "core/Parse.h"
 #include "pictures/Probe.h"
 
 #include <fmt/format.h>
@@ -10,9 +11,7 @@
 
 #include <algorithm>
 #include <bit>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
 #include <functional>
 #include <limits>
 #include <map>
@@ -109,38 +108,6 @@ private:
 
 namespace
 {
-
-std::optional<double> toNumber(std::string_view text)
-{
-  double value = 0;
-  text.remove_prefix(text.starts_with('+') ? 1 : 0);
-  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (end != text.data() + text.size() || text.empty() || failed == std::errc::invalid_argument)
-    return std::nullopt;
-  // 1e999 is infinite, 1e-999 is zero
-  return failed == std::errc() ? value : std::strtod(std::string(text).c_str(), nullptr);
-}
-
-std::optional<std::int64_t> toInteger(std::string_view text)
-{
-  std::int64_t value = 0;
-  text.remove_prefix(text.starts_with('+') ? 1 : 0);
-  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return failed == std::errc() && end == text.data() + text.size() && !text.empty() ? std::optional(value)
-                                                                                    : std::nullopt;
-}
-
-std::vector<std::string> split(std::string_view text, char separator)
-{
-  std::vector<std::string> parts;
-  for (std::size_t at = 0; at <= text.size();)
-  {
-    const std::size_t end = std::min(text.find(separator, at), text.size());
-    parts.emplace_back(text.substr(at, end - at));
-    at = end + 1;
-  }
-  return parts;
-}
 
 std::string trimmed(const std::string& text)
 {

@@ -110,9 +110,9 @@ class Headers(unittest.TestCase):
         finally:
             path.unlink()
 
-    def declared(self, body, member, other=""):
+    def declared(self, body, other=""):
         paths = [pathlib.Path("header_x.h"), pathlib.Path("header_y.h")]
-        paths[0].write_text(f"class X_EXPORT vtkX : public vtkObject\n{{\npublic:\n{body}\nprivate:\n  {member};\n}};\n", encoding="utf-8")
+        paths[0].write_text(f"class X_EXPORT vtkX : public vtkObject\n{{\npublic:\n{body}\n}};\n", encoding="utf-8")
         paths[1].write_text(other, encoding="utf-8")
         try:
             return Declarations(paths if other else paths[:1])
@@ -129,21 +129,23 @@ class Headers(unittest.TestCase):
         self.refused("  vtkSetMacro(Load, unsigned);", "vtkSetMacro|SetMacro of unsigned is not understood")
         self.refused("  void AddBox(double x, double y);", "AddBox lists something that no RemoveAll... takes away")
 
-    def test_one_macro_tells_setter_and_getter(self):
-        for macro, member, kind in ("vtkSettingMacro(Load, double)", "double Load = 1", "number"), ("vtkSwitchMacro(Load)", "bool Load = false", "switch"):
+    def test_one_macro_tells_setter_getter_and_default(self):
+        for macro, kind, default in (("vtkSettingMacro(Load, double, 1)", "number", 1), ("vtkSwitchMacro(Load, false)", "switch", False),
+                                     ("vtkSettingVector2Macro(Load, double, 1, 2)", "vector", [1, 2]), ('vtkSettingMacro(Load, std::string, "")', "text", "")):
             with self.subTest(macro):
-                found = self.declared(f"  /** A load. */\n  {macro};", member).settings("vtkX")[0]
+                found = self.declared(f"  /** A load. */\n  {macro};").settings("vtkX")[0]
                 self.assertEqual((found.setter, found.getter, found.name, found.text), ("SetLoad", "GetLoad", "Load", "A load."))
+                self.assertEqual((found.kind, found.default), (kind, default))
 
     def test_a_setting_that_is_as_another_class_has_it(self):
         """All that its comment does not say is told there."""
         other = "\nclass Y_EXPORT vtkY : public vtkObject\n{\npublic:\n  /**\n   * A load.\n   * @unit N\n   * @range [0, 5]\n   */\n" \
-            "  vtkSettingMacro(Load, double);\nprivate:\n  double Load = 2;\n};\n"
-        mine = "  /** As vtkY. */\n  vtkSettingMacro(Load, double);"
-        found = self.declared(mine, "double Load = 1", other).settings("vtkX")[0]
+            "  vtkSettingMacro(Load, double, 2);\n};\n"
+        mine = "  /** As vtkY. */\n  vtkSettingMacro(Load, double, 1);"
+        found = self.declared(mine, other).settings("vtkX")[0]
         self.assertEqual((found.text, found.unit, found.default), ("A load.", "N", 1))
         with self.assertRaisesRegex(HeaderError, "as vtkZ has it, which has none"):
-            self.declared(mine.replace("vtkY", "vtkZ"), "double Load = 1", other)
+            self.declared(mine.replace("vtkY", "vtkZ"), other)
 
     def test_words(self):
         found = Reader(SOURCES / "solvers/vtk/points/vtkPointCompression.h").read()

@@ -37,8 +37,8 @@ fs::path checked(const fs::path& path)
 
 bool same(const std::string& cell, const std::string& wanted)
 {
-  const auto a = cli::toNumber(cell);
-  const auto b = cli::toNumber(wanted);
+  const auto a = toNumber(cell);
+  const auto b = toNumber(wanted);
   return a && b ? *a == *b : cell == wanted;
 }
 
@@ -84,7 +84,7 @@ std::string DataTable::text(std::size_t row, std::size_t column) const
 
 double DataTable::number(std::size_t row, std::size_t column) const
 {
-  return cli::toNumber(text(row, column)).value_or(std::numeric_limits<double>::quiet_NaN());
+  return toNumber(text(row, column)).value_or(std::numeric_limits<double>::quiet_NaN());
 }
 
 std::vector<double> DataTable::numbers(std::size_t column) const
@@ -103,7 +103,7 @@ bool DataTable::isNumeric(std::size_t column) const
     const std::string cell = text(row, column);
     if (!cell.empty())
     {
-      if (!cli::toNumber(cell))
+      if (!toNumber(cell))
         return false;
       some = true;
     }

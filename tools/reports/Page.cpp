@@ -423,7 +423,7 @@ std::string cellHtml(const DataTable& table, std::size_t row, std::size_t column
   if (!std::isfinite(value))
   {
     const std::string text = table.text(row, column);
-    return text.empty() || cli::toNumber(text) ? "–" : escaped(text);
+    return text.empty() || toNumber(text) ? "–" : escaped(text);
   }
   if (!plan.error.empty())
   {

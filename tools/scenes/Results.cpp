@@ -28,17 +28,6 @@ void writeText(const fs::path& path, const std::string& text)
   file.commit();
 }
 
-void makeFolder(const fs::path& folder)
-{
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed)
-  {
-    throw OutputError("cannot make the folder '" + folder.string() + "': " + failed.message(),
-      "choose another place with --results FOLDER");
-  }
-}
-
 /// Empty, but for what a run leaves that is just beginning or was ended there, or was ended by a full disk: files that
 /// are not whole yet, and a folder for samples without any.
 bool isNew(const fs::path& folder)
@@ -65,6 +54,17 @@ std::optional<Json> readJson(const fs::path& path)
 }
 
 } // namespace
+
+void makeFolder(const fs::path& folder)
+{
+  std::error_code failed;
+  fs::create_directories(folder, failed);
+  if (failed)
+  {
+    throw OutputError("cannot make the folder '" + folder.string() + "': " + failed.message(),
+      "choose another place with --results FOLDER");
+  }
+}
 
 Results::Results(fs::path folder, const SceneFile& scene, bool make)
   : folder_(std::move(folder))

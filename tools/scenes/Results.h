@@ -10,6 +10,9 @@
 namespace lamella::cli
 {
 
+/// One for results, with all above it. @throws OutputError
+void makeFolder(const std::filesystem::path& folder);
+
 /// The folder of a scene's results. Each sample has a folder of its own in it, named by its key: what is there is
 /// finished, and never computed again, whatever the scene that asks for it is called.
 class Results

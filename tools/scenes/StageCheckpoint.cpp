@@ -1,5 +1,6 @@
 #include "scenes/StageCheckpoint.h"
 
+#include "scenes/Results.h"
 #include "session/OutputFile.h"
 
 #include <algorithm>
@@ -34,13 +35,7 @@ StageCheckpoint::StageCheckpoint(const fs::path& folder, const std::string& stag
   : file_(folder / (stage + fileEnding))
   , steps_(folder / (stage + stepsEnding))
 {
-  std::error_code failed;
-  fs::create_directories(folder, failed);
-  if (failed)
-  {
-    throw OutputError("cannot make the folder '" + folder.string() + "': " + failed.message(),
-      "choose another place with --results FOLDER");
-  }
+  makeFolder(folder);
   release();
 }
 

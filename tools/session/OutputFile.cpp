@@ -53,12 +53,6 @@ std::string quoted(const fs::path& path)
   return "'" + path.string() + "'";
 }
 
-fs::path folderOf(const fs::path& path)
-{
-  const fs::path folder = path.parent_path();
-  return folder.empty() ? fs::path(".") : folder;
-}
-
 std::atomic<bool> outputAllowed;
 std::atomic<bool> outputUsed;
 

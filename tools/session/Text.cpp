@@ -6,72 +6,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
-#include <cstdlib>
 
 namespace lamella::cli
 {
-
-std::vector<std::string> split(std::string_view text, char separator)
-{
-  std::vector<std::string> parts;
-  for (;;)
-  {
-    const std::size_t end = text.find(separator);
-    parts.emplace_back(text.substr(0, end));
-    if (end == std::string_view::npos)
-      return parts;
-    text.remove_prefix(end + 1);
-  }
-}
-
-std::optional<double> toNumber(std::string_view text)
-{
-  double value = 0;
-  if (text.starts_with('+'))
-    text.remove_prefix(1);
-  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (end != text.data() + text.size() || text.empty())
-    return std::nullopt;
-  if (failed == std::errc::result_out_of_range)
-    return std::strtod(std::string(text).c_str(), nullptr); // 1e999 is infinite, 1e-999 is zero
-  return failed == std::errc() ? std::optional(value) : std::nullopt;
-}
-
-std::optional<std::int64_t> toInteger(std::string_view text)
-{
-  std::int64_t value = 0;
-  if (text.starts_with('+'))
-    text.remove_prefix(1);
-  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failed != std::errc() || end != text.data() + text.size() || text.empty())
-    return std::nullopt;
-  return value;
-}
-
-std::vector<std::int64_t> integerList(
-  const std::string& option, const std::string& text, std::span<const std::size_t> counts, const std::string& form)
-{
-  std::vector<std::int64_t> values;
-  for (const std::string& part : split(text, ','))
-  {
-    const auto value = toInteger(part);
-    if (!value)
-    {
-      throw ParameterError(
-        option + " '" + text + "': '" + part + "' is not a whole number", "write it as " + option + " " + form);
-    }
-    values.push_back(*value);
-  }
-  if (std::find(counts.begin(), counts.end(), values.size()) == counts.end())
-  {
-    throw ParameterError(
-      option + " '" + text + "' has " + std::to_string(values.size()) + (values.size() == 1 ? " number" : " numbers"),
-      "write it as " + option + " " + form);
-  }
-  return values;
-}
 
 double lengthInMetres(const std::string& option, const std::string& text)
 {

@@ -1,29 +1,18 @@
 #pragma once
 
+#include "core/Parse.h"
 #include "core/Suggestion.h"
 
 #include <array>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
-#include <string_view>
 #include <utility>
 #include <vector>
 
 /// Reading what users type, and telling them what they probably meant. Everything throws ParameterError.
 namespace lamella::cli
 {
-
-[[nodiscard]] std::vector<std::string> split(std::string_view text, char separator);
-
-/// A number, all of the text; "nan" and "inf" are numbers here, whether they make sense is the caller's to say.
-[[nodiscard]] std::optional<double> toNumber(std::string_view text);
-[[nodiscard]] std::optional<std::int64_t> toInteger(std::string_view text);
-
-/// "A,B,C" as whole numbers; `counts` lists how many there may be, `form` is how the option is written.
-[[nodiscard]] std::vector<std::int64_t> integerList(
-  const std::string& option, const std::string& text, std::span<const std::size_t> counts, const std::string& form);
 
 /// A length in metres: "0.5e-6", or with a unit: "0.5um", "500nm", "0.0005mm". Positive and finite.
 [[nodiscard]] double lengthInMetres(const std::string& option, const std::string& text);

@@ -1,9 +1,9 @@
 """Reads what a VTK class declares of its settings from its header: the one place where a setting is told.
 
-A setting is a public setter: vtkSettingMacro(Name, type) and its kin (vtkSetting.h, VTK's own), `void SetName(...)` of a
+A setting is a public setter: vtkSettingMacro(Name, type, default) and its kin (vtkSetting.h, VTK's own), `void SetName(...)` of a
 number that has a getter, or `void AddName(...)`, `void SetName(const char*, ...)` beside a `RemoveAllNames()` of things that
-are listed. Its default is the member's own initialiser. The comment above it says in a sentence or two what it does, to those
-who set it in any front end, and then, in lines that begin with @:
+are listed. Where the macro does not tell it, its default is the member's own initialiser. The comment above it says in a sentence
+or two what it does, to those who set it in any front end, and then, in lines that begin with @:
 
     @word at-time, at_times       what it is called in a command, and in Python if that differs, where the rule's word will not do
     @off no-rivals: Do not look   of a switch that is on by itself: the option that switches it off (by itself no-WORD), and what that does
@@ -325,22 +325,24 @@ class Reader:
         size = re.search(r"Vector(\d?)", which)
         count = int(size[1] or parts[2]) if size else 1
         if which == "SwitchMacro":
-            which, parts = "SettingMacro", [name, "bool"]
-        if which.startswith("Setting"):  # vtkSetting.h: the setter and the getter
+            which, parts = "SettingMacro", [name, "bool", *parts[1:]]
+        if which.startswith("Setting"):  # vtkSetting.h: the setter, the getter and the member
             self.getters[name] = "Get" + name
+            value = ", ".join(parts[2:])
+            self.members[name] = (parts[1], f"[{count}]", f"{{ {value} }}") if size else (parts[1], None, value)
         if which.startswith("Get"):
             self.getters[name] = "Get" + name
             kind = "text" if re.match(r"Get(String|FilePath)", which) else kind_of(parts[1]) if len(parts) > 1 else None
-            if not which.startswith("GetObject") and kind:
+            if not which.startswith(("GetObject", "GetSmartPointer")) and kind:
                 self.found.tells[name] = (kind, count, parse_comment(self.comment or "")[0])
-        elif which.startswith("Set") and not which.startswith("SetObject"):
+        elif which.startswith("Set") and not which.startswith(("SetObject", "SetSmartPointer")):
             kind = "text" if re.match(r"Set(String|FilePath)", which) else kind_of(parts[1])
             if kind is None:
                 self.fail(at, f"{which} of {parts[1]} is not understood")
             kinds = (kind,) * count
             wholes = () if kind == "text" else (parts[1],) * count
             self.add(at, Setting(name, "Set" + name, "vector" if count > 1 else kind, types=kinds, wholes=wholes))
-        elif which not in ("TypeMacro", "BooleanMacro", "AbstractTypeMacro", "TypeRevisionMacro"):
+        elif which not in ("TypeMacro", "BooleanMacro", "AbstractTypeMacro", "TypeRevisionMacro", "SetObjectMacro", "SetSmartPointerMacro"):
             self.fail(at, f"{which} is not understood")
         if not self.grouped:
             self.comment = None

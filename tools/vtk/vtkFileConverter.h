@@ -47,7 +47,7 @@ public:
    * @files Files (*)
    * @word file, source
    */
-  vtkSettingMacro(FileName, std::string);
+  vtkSettingMacro(FileName, std::string, "");
 
   ///@{
   /** Data instead of a file: an image, poly data, an unstructured grid or a table. Shared, not changed. */
@@ -60,7 +60,7 @@ public:
    * @files Files (*)
    * @word output, path
    */
-  vtkSettingMacro(OutputFileName, std::string);
+  vtkSettingMacro(OutputFileName, std::string, "");
 
   ///@{
   /**
@@ -78,7 +78,7 @@ public:
    * @range [0, inf)
    * @unset -1
    */
-  vtkSettingMacro(Step, int);
+  vtkSettingMacro(Step, int, -1);
 
   /**
    * Write numbers of this type. Empty: as they are.
@@ -86,7 +86,7 @@ public:
    * @group Values
    * @words u8 i8 u16 i16 u32 i32 u64 i64 f32 f64
    */
-  vtkSettingMacro(NumberType, std::string);
+  vtkSettingMacro(NumberType, std::string, "");
 
   /**
    * These values become the least and the largest grey of u8, or of u16. Not given (0): values stay.
@@ -94,13 +94,13 @@ public:
    * @columns low, high
    * @unset 0
    */
-  vtkSettingVector2Macro(Range, double);
+  vtkSettingVector2Macro(Range, double, 0, 0);
 
   /**
    * Go on where something is lost: nearest values of another type, cells in a table, gaps in a series, transparency.
    * @group Values
    */
-  vtkSwitchMacro(Lossy);
+  vtkSwitchMacro(Lossy, false);
 
   ///@{
   /**
@@ -119,17 +119,17 @@ public:
    * @group Surface
    * @range [0, inf)
    */
-  vtkSettingMacro(Smoothing, int);
+  vtkSettingMacro(Smoothing, int, 0);
 
   /** Replace files that exist. */
-  vtkSwitchMacro(Overwrite);
+  vtkSwitchMacro(Overwrite, false);
 
   ///@{
   /** As vtkPictureReader. */
-  vtkSettingMacro(PixelSize, double);
-  vtkSettingVector3Macro(RawSize, int);
-  vtkSettingMacro(RawBits, int);
-  vtkSettingMacro(RawHeader, vtkIdType);
+  vtkSettingMacro(PixelSize, double, 0);
+  vtkSettingVector3Macro(RawSize, int, 0, 0, 0);
+  vtkSettingMacro(RawBits, int, 0);
+  vtkSettingMacro(RawHeader, vtkIdType, 0);
   ///@}
 
   /**
@@ -137,14 +137,14 @@ public:
    * @group Raw volumes
    * @words u8 i8 u16 i16 u32 i32 u64 i64 f32 f64
    */
-  vtkSettingMacro(RawType, std::string);
+  vtkSettingMacro(RawType, std::string, "");
 
   /**
    * Raw volumes: order of the bytes. Empty: little.
    * @group Raw volumes
    * @words little big
    */
-  vtkSettingMacro(RawOrder, std::string);
+  vtkSettingMacro(RawOrder, std::string, "");
 
 #ifndef __VTK_WRAP__
   /** The settings, as lamella::cli::convert() takes them. */
@@ -175,22 +175,8 @@ private:
 
   void Convert();
 
-  std::string FileName;
-  std::string OutputFileName;
-  std::string NumberType;
-  double Range[2] = { 0, 0 };
-  std::string RawType;
-  std::string RawOrder;
   std::vector<std::string> Arrays;
   std::vector<std::string> Phases;
-  int Smoothing = 0;
-  int Step = -1;
-  bool Lossy = false;
-  bool Overwrite = false;
-  double PixelSize = 0;
-  int RawSize[3] = { 0, 0, 0 };
-  int RawBits = 0;
-  vtkIdType RawHeader = 0;
   int NumberOfSteps = 0;
   vtkSmartPointer<vtkDataObject> Input;
   vtkSmartPointer<vtkDataObject> Output;

@@ -7,7 +7,6 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkMultiProcessController.h"
 
 #include <array>
 #include <string>
@@ -25,15 +24,10 @@ vtkBondAlgorithm::vtkBondAlgorithm()
   : Internal(std::make_unique<Internals>())
 {
   this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "grain");
-  this->SetController(vtkMultiProcessController::GetGlobalController());
+  this->Controller = vtkMultiProcessController::GetGlobalController();
 }
 
-vtkBondAlgorithm::~vtkBondAlgorithm()
-{
-  this->SetController(nullptr);
-}
-
-vtkCxxSetObjectMacro(vtkBondAlgorithm, Controller, vtkMultiProcessController);
+vtkBondAlgorithm::~vtkBondAlgorithm() = default;
 
 #define LAMELLA_TABLE(Setter, Remover, Member)                                                                         \
   void vtkBondAlgorithm::Setter(const char* pair, double value)                                                        \

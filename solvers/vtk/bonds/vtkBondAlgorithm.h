@@ -31,7 +31,6 @@
 #include <string> // for members
 
 class vtkImageData;
-class vtkMultiProcessController;
 
 namespace lamella
 {
@@ -111,7 +110,7 @@ public:
    * @group Materials
    * @advanced
    */
-  vtkSettingMacro(RelativeTo, std::string);
+  vtkSettingMacro(RelativeTo, std::string, "");
 
   enum Mixings
   {
@@ -124,7 +123,7 @@ public:
    * @group Materials
    * @choice Mixings
    */
-  vtkSettingMacro(Mixing, int);
+  vtkSettingMacro(Mixing, int, NO_MIXING);
 
   enum Continua
   {
@@ -138,7 +137,7 @@ public:
    * @group Bonds
    * @choice Continua
    */
-  vtkSettingMacro(Continuum, int);
+  vtkSettingMacro(Continuum, int, AUTO_CONTINUUM);
 
   /**
    * Length of the longest bonds, in spacings. 3 is usual; cost grows with its square. Below 3 the lattice is markedly
@@ -146,7 +145,7 @@ public:
    * @group Bonds
    * @range [1, 8]
    */
-  vtkSettingMacro(Horizon, double);
+  vtkSettingMacro(Horizon, double, 3);
 
   enum Micromoduli
   {
@@ -165,28 +164,28 @@ public:
    * @choice Micromoduli
    * @advanced
    */
-  vtkSettingMacro(Micromodulus, int);
+  vtkSettingMacro(Micromodulus, int, AUTO_MICROMODULUS);
 
   /**
    * Take out bonds that cross a thin void. Off: they stay.
    * @group Bonds
    * @advanced
    */
-  vtkSwitchMacro(CutVoidBonds);
+  vtkSwitchMacro(CutVoidBonds, false);
 
   /**
    * Stiffer bonds near free surfaces, where nodes have fewer of them.
    * @group Bonds
    * @advanced
    */
-  vtkSwitchMacro(SurfaceCorrection);
+  vtkSwitchMacro(SurfaceCorrection, false);
 
   /**
    * Newton's method on forces that are exact for large rotations, instead of one linear system.
    * @group Bonds
    * @advanced
    */
-  vtkSwitchMacro(LargeStrains);
+  vtkSwitchMacro(LargeStrains, false);
 
   ///@{
   /**
@@ -211,12 +210,12 @@ public:
    * @range [0, 1]
    * @advanced
    */
-  vtkSettingVector3Macro(Periodic, int);
+  vtkSettingVector3Macro(Periodic, int, 0, 0, 0);
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
   ///@{
@@ -244,16 +243,6 @@ private:
 
   struct Internals;
   std::unique_ptr<Internals> Internal;
-
-  std::string RelativeTo;
-  int Mixing = NO_MIXING;
-  int Continuum = AUTO_CONTINUUM;
-  double Horizon = 3;
-  int Micromodulus = AUTO_MICROMODULUS;
-  bool CutVoidBonds = false;
-  bool SurfaceCorrection = false;
-  bool LargeStrains = false;
-  int Periodic[3] = { 0, 0, 0 };
 };
 
 #endif

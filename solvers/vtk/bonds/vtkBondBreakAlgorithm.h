@@ -48,7 +48,7 @@ public:
    * The high platen moves the other way, towards the low one; strains and stresses are positive then too.
    * @group Load
    */
-  vtkSwitchMacro(Compression);
+  vtkSwitchMacro(Compression, false);
 
   /**
    * Of a pull: ends when the stress has fallen to this share of the peak. 0 may never be reached: hinges do not part.
@@ -56,7 +56,7 @@ public:
    * @group Breaking
    * @range [0, 1)
    */
-  vtkSettingMacro(StopShare, double);
+  vtkSettingMacro(StopShare, double, 0.05);
   /**
    * Ends at this strain. 0: no limit.
    * @word max-strain
@@ -64,7 +64,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(MaximumStrain, double);
+  vtkSettingMacro(MaximumStrain, double, 0);
   /**
    * Ends after so many broken bonds. 0: no limit.
    * @word max-broken
@@ -72,7 +72,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(MaximumBroken, vtkIdType);
+  vtkSettingMacro(MaximumBroken, vtkIdType, 0);
 
   ///@{
   /**
@@ -89,7 +89,7 @@ public:
    * Whether all states of a run stay, or only the last one. Off, memory holds one at a time: those who observe
    * vtkSampleAlgorithm::STEP_EVENT have seen each.
    */
-  vtkSwitchMacro(KeepStates);
+  vtkSwitchMacro(KeepStates, true);
   ///@{
   /**
    * The state that is shown, from 0, in the order of the run; -1: the end. A change runs nothing again. Beyond the last
@@ -113,7 +113,7 @@ public:
    * @files Checkpoints (*.h5 *.hdf5)
    * @advanced
    */
-  vtkSettingMacro(CheckpointFile, std::string);
+  vtkSettingMacro(CheckpointFile, std::string, "");
   /**
    * Events of fracture (default 500) or steps in time (default 1000) between two checkpoints; at least 1. In fracture
    * all that is only there to save work is made anew then, whether a file is written or not: what breaks depends on
@@ -122,13 +122,13 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSettingMacro(CheckpointEvery, vtkIdType);
+  vtkSettingMacro(CheckpointEvery, vtkIdType, 500);
   /**
    * Wall time before the first checkpoint and between two at least [s]. Above 0 there is none at the end, and none that
    * the run would not go on from alike.
    * @range [0, inf)
    */
-  vtkSettingMacro(CheckpointSeconds, double);
+  vtkSettingMacro(CheckpointSeconds, double, 0);
   /**
    * A checkpoint of the same run to go on from, as if it had never stopped. Empty: from the start, as where this is
    * Checkpoint File and not there yet.
@@ -139,7 +139,7 @@ public:
    * @files Checkpoints (*.h5 *.hdf5)
    * @advanced
    */
-  vtkSettingMacro(ContinueFile, std::string);
+  vtkSettingMacro(ContinueFile, std::string, "");
   /** Events or steps in the last checkpoint of the last update, also of one that was interrupted; 0: none. */
   vtkGetMacro(LastCheckpoint, vtkIdType);
 
@@ -228,15 +228,6 @@ protected:
   void TellNext();
   bool Due();
 
-  bool Compression = false;
-  bool KeepStates = true;
-  double StopShare = 0.05;
-  double MaximumStrain = 0;
-  vtkIdType MaximumBroken = 0;
-  std::string CheckpointFile;
-  vtkIdType CheckpointEvery = 500;
-  double CheckpointSeconds = 0;
-  std::string ContinueFile;
   vtkIdType LastCheckpoint = 0;
   bool ComputeDisplacement = true;
   double PeakStress;

@@ -83,7 +83,7 @@ public:
    * @unit kg/m³
    * @range (0, inf)
    */
-  vtkSettingMacro(Density, double);
+  vtkSettingMacro(Density, double, 1000);
   ///@{
   /**
    * Density of a phase [kg/m³]. An empty name is ignored, and so are phases that the image does not have.
@@ -100,7 +100,7 @@ public:
    * @group Load
    * @off no-pull: No platens: what is said of its sides, of boxes and of velocities moves the sample.
    */
-  vtkSwitchMacro(Pull);
+  vtkSwitchMacro(Pull, true);
   /**
    * Of a pull. Stretch: the platens move apart along the axis. Shear: they move across.
    * @group Load
@@ -115,7 +115,7 @@ public:
    * @range [0, inf)
    * @when Pull
    */
-  vtkSettingMacro(StrainRate, double);
+  vtkSettingMacro(StrainRate, double, 0);
   /**
    * Travel times of a wave from platen to platen until the strain of the first break. 30 is quick, 100 slow.
    * @group Load
@@ -123,7 +123,7 @@ public:
    * @advanced
    * @range (0, inf)
    */
-  vtkSettingMacro(TravelTimes, double);
+  vtkSettingMacro(TravelTimes, double, 30);
   /**
    * A pull begins in equilibrium at this share of the strain of the first break, with the speeds that it would have
    * given.
@@ -133,7 +133,7 @@ public:
    * @when Pull
    * @advanced
    */
-  vtkSettingMacro(StartShare, double);
+  vtkSettingMacro(StartShare, double, 0.98);
 
   ///@{
   /**
@@ -179,14 +179,14 @@ public:
    * @when Pull 0
    * @advanced
    */
-  vtkSettingVector3Macro(InitialVelocity, double);
+  vtkSettingVector3Macro(InitialVelocity, double, 0, 0, 0);
   /**
    * Add an array of the input to that. Needs Pull off.
    * @group Start
    * @when Pull 0
    * @advanced
    */
-  vtkSwitchMacro(UseInputVelocity);
+  vtkSwitchMacro(UseInputVelocity, false);
 
   /**
    * Imposed speeds give way to what breaks, and come back within this time [s]. 0: they do not.
@@ -196,7 +196,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(Relaxation, double);
+  vtkSettingMacro(Relaxation, double, 0);
   /**
    * Reference energy of that [J/m], of a volume [J]. 0: the energy of Reference Crack.
    * @word omega0
@@ -205,7 +205,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(ReferenceEnergy, double);
+  vtkSettingMacro(ReferenceEnergy, double, 0);
   /**
    * Δℓ [m]: a crack of that length (of a volume that square) in the pair with the least fracture energy. 0: a
    * hundredth of the sample's shortest side.
@@ -215,14 +215,14 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(ReferenceCrack, double);
+  vtkSettingMacro(ReferenceCrack, double, 0);
   /**
    * Share of the imposed speeds at first, 0 to 1; below 1 only with a Relaxation.
    * @group Loading rate
    * @range [0, 1]
    * @advanced
    */
-  vtkSettingMacro(StartRate, double);
+  vtkSettingMacro(StartRate, double, 1);
 
   /**
    * Viscous force on every node, as a share of the least critical viscosity of the bonds. For strength by a slow pull:
@@ -230,7 +230,7 @@ public:
    * @group Accuracy and cost
    * @range [0, 1]
    */
-  vtkSettingMacro(Damping, double);
+  vtkSettingMacro(Damping, double, 0);
   /**
    * Step [s]. 0: Step Share of the largest stable one, above which it is refused.
    * @group Accuracy and cost
@@ -238,20 +238,20 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(TimeStep, double);
+  vtkSettingMacro(TimeStep, double, 0);
   /**
    * Step over the largest stable one. Cracks that run want 0.2 to 0.4.
    * @group Accuracy and cost
    * @range [1e-5, 1]
    */
-  vtkSettingMacro(StepShare, double);
+  vtkSettingMacro(StepShare, double, 0.8);
   /**
    * Ends at this time [s]. 0: no limit; without Pull some end is needed.
    * @group Breaking
    * @unit s
    * @range [0, inf)
    */
-  vtkSettingMacro(EndTime, double);
+  vtkSettingMacro(EndTime, double, 0);
   /**
    * Steps between two points of the history. 0: 500 points until the end's time, at least 20 steps apart; with platens
    * or without a time every 10 steps.
@@ -259,7 +259,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(HistoryEvery, vtkIdType);
+  vtkSettingMacro(HistoryEvery, vtkIdType, 0);
   ///@{
   /**
    * States to keep on the way, at these times [s]. The end is always kept.
@@ -309,22 +309,6 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Internal;
 
-  double Density = 1000;
-  bool Pull = true;
-  double StrainRate = 0;
-  double TravelTimes = 30;
-  double StartShare = 0.98;
-  double InitialVelocity[3] = { 0, 0, 0 };
-  bool UseInputVelocity = false;
-  double Relaxation = 0;
-  double ReferenceEnergy = 0;
-  double ReferenceCrack = 0;
-  double StartRate = 1;
-  double Damping = 0;
-  double TimeStep = 0;
-  double StepShare = 0.8;
-  double EndTime = 0;
-  vtkIdType HistoryEvery = 0;
   bool ComputeVelocity = true;
 };
 

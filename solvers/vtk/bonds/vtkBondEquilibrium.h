@@ -77,7 +77,7 @@ public:
    * @range (-1, 1)
    * @when Load STRETCH SHEAR BIAXIAL
    */
-  vtkSettingMacro(Strain, double);
+  vtkSettingMacro(Strain, double, 1e-3);
   /**
    * Biaxial: strain along the other axes.
    * @group Load
@@ -85,7 +85,7 @@ public:
    * @when Load BIAXIAL
    * @advanced
    */
-  vtkSettingMacro(LateralStrain, double);
+  vtkSettingMacro(LateralStrain, double, 0);
   /**
    * Traction: in Pa, tension is positive.
    * @group Load
@@ -93,7 +93,7 @@ public:
    * @when Load TRACTION
    * @advanced
    */
-  vtkSettingMacro(Traction, double);
+  vtkSettingMacro(Traction, double, 0);
 
   enum Solvers
   {
@@ -108,7 +108,7 @@ public:
    * @choice Solvers
    * @advanced
    */
-  vtkSettingMacro(Solver, int);
+  vtkSettingMacro(Solver, int, MULTIGRID);
   /**
    * Gives up after this many.
    * @word max-iterations
@@ -117,7 +117,7 @@ public:
    * @when Solver MULTIGRID JACOBI DYNAMIC_RELAXATION
    * @advanced
    */
-  vtkSettingMacro(MaximumIterations, int);
+  vtkSettingMacro(MaximumIterations, int, 20000);
 
   ///@{
   /** As vtkBondLoadAlgorithm; a change solves nothing again. */
@@ -150,11 +150,6 @@ private:
 
   void CheckLoad() const;
 
-  double Strain = 1e-3;
-  double LateralStrain = 0;
-  double Traction = 0;
-  int Solver = MULTIGRID;
-  int MaximumIterations = 20000;
   double EffectiveModulus;
   double FirstBreakStrain;
 };

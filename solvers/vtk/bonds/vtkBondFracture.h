@@ -92,7 +92,7 @@ public:
    * @when Load BIAXIAL
    * @advanced
    */
-  vtkSettingMacro(LateralRatio, double);
+  vtkSettingMacro(LateralRatio, double, 0);
 
   enum Methods
   {
@@ -107,7 +107,7 @@ public:
    * @choice Methods
    * @advanced
    */
-  vtkSettingMacro(Method, int);
+  vtkSettingMacro(Method, int, AUTO);
 
   enum Breakings
   {
@@ -120,7 +120,7 @@ public:
    * @choice Breakings
    * @advanced
    */
-  vtkSettingMacro(Breaking, int);
+  vtkSettingMacro(Breaking, int, STRICT);
 
   /**
    * Events: look closer where two bonds are nearly as critical as each other. Off is sooner by a third to a half; the
@@ -130,7 +130,7 @@ public:
    * @advanced
    * @off no-rivals: Do not look closer where two bonds are nearly as critical as each other.
    */
-  vtkSwitchMacro(Rivals);
+  vtkSwitchMacro(Rivals, true);
 
   /**
    * The strain is raised to multiples of this, each time to the first at which a bond is critical: batches are larger
@@ -140,7 +140,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(StrainStep, double);
+  vtkSettingMacro(StrainStep, double, 0);
 
   ///@{
   /**
@@ -172,12 +172,6 @@ private:
 
   struct Internals;
   std::unique_ptr<Internals> Internal;
-
-  double LateralRatio = 0;
-  int Method = AUTO;
-  int Breaking = STRICT;
-  bool Rivals = true;
-  double StrainStep = 0;
 };
 
 #endif

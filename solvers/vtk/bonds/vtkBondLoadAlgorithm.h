@@ -43,28 +43,28 @@ public:
    * @group Load
    * @choice Axes
    */
-  vtkSettingMacro(LoadAxis, int);
+  vtkSettingMacro(LoadAxis, int, LAST_AXIS);
 
   /**
    * Stretch: the platens hold the component along the axis only and let the sample slip across it.
    * @group Load
    * @advanced
    */
-  vtkSwitchMacro(SmoothPlatens);
+  vtkSwitchMacro(SmoothPlatens, false);
   /**
    * All layers of a platen move alike. Off: they move as the mean strain has it, as if the sample went on, so that a
    * uniform sample is strained uniformly up to its ends; with rigid platens it breaks beside them first.
    * @group Load
    * @advanced
    */
-  vtkSwitchMacro(RigidPlatens);
+  vtkSwitchMacro(RigidPlatens, false);
   /**
    * Layers of nodes that a platen holds. 0: as many as a bond reaches.
    * @group Load
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(PlatenLayers, int);
+  vtkSettingMacro(PlatenLayers, int, 0);
 
   /**
    * Largest residual force over the forces that hold the free nodes where they are.
@@ -72,18 +72,18 @@ public:
    * @range [1e-12, 0.1]
    * @advanced
    */
-  vtkSettingMacro(Tolerance, double);
+  vtkSettingMacro(Tolerance, double, 1e-6);
 
   /**
    * Put the stress tensor of every node into the output.
    * @group State shown
    */
-  vtkSwitchMacro(ComputeStress);
+  vtkSwitchMacro(ComputeStress, false);
   /**
    * Put the strain energy of every node into the output.
    * @group State shown
    */
-  vtkSwitchMacro(ComputeStrainEnergy);
+  vtkSwitchMacro(ComputeStrainEnergy, false);
 
 protected:
   vtkBondLoadAlgorithm() = default;
@@ -95,13 +95,6 @@ protected:
   const char* LoadName() const;
 
   int Load = STRETCH; ///< subclasses set it: not every load is for all
-  int LoadAxis = LAST_AXIS;
-  bool SmoothPlatens = false;
-  bool RigidPlatens = false;
-  int PlatenLayers = 0;
-  double Tolerance = 1e-6;
-  bool ComputeStress = false;
-  bool ComputeStrainEnergy = false;
 
 private:
   vtkBondLoadAlgorithm(const vtkBondLoadAlgorithm&) = delete;

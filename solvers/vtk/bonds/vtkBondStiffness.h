@@ -71,7 +71,7 @@ public:
    * @off no-error-estimate: Do not solve coarser pictures of the cell: no error is told.
    * @group Accuracy and cost
    */
-  vtkSwitchMacro(EstimateError);
+  vtkSwitchMacro(EstimateError, true);
 
   /**
    * Nodes along each axis that a pixel was split in before it came here: what is a picture, for the error.
@@ -79,7 +79,7 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSettingMacro(NodesPerPixel, int);
+  vtkSettingMacro(NodesPerPixel, int, 1);
 
   /**
    * Largest residual force over the forces that hold all nodes in the mean strain.
@@ -87,7 +87,7 @@ public:
    * @range [1e-12, 0.1]
    * @advanced
    */
-  vtkSettingMacro(Tolerance, double);
+  vtkSettingMacro(Tolerance, double, 1e-6);
   /**
    * Gives up after this many.
    * @word max-iterations
@@ -95,7 +95,7 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSettingMacro(MaximumIterations, int);
+  vtkSettingMacro(MaximumIterations, int, 20000);
 
   /** Output 1. */
   vtkTable* GetTensor();
@@ -117,10 +117,6 @@ private:
   vtkBondStiffness(const vtkBondStiffness&) = delete;
   void operator=(const vtkBondStiffness&) = delete;
 
-  bool EstimateError = true;
-  int NodesPerPixel = 1;
-  double Tolerance = 1e-6;
-  int MaximumIterations = 20000;
   double EstimatedError;
 };
 

@@ -7,25 +7,10 @@
 
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkMultiProcessController.h"
-
-vtkCxxSetObjectMacro(vtkDiffusionAlgorithm, Controller, vtkMultiProcessController);
 
 vtkDiffusionAlgorithm::vtkDiffusionAlgorithm()
 {
   this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
-  this->vtkDiffusionAlgorithm::SetController(vtkMultiProcessController::GetGlobalController());
-}
-
-vtkDiffusionAlgorithm::~vtkDiffusionAlgorithm()
-{
-  this->vtkDiffusionAlgorithm::SetController(nullptr);
-}
-
-int vtkDiffusionAlgorithm::FillInputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
-  return 1;
 }
 
 int vtkDiffusionAlgorithm::RequestUpdateExtent(

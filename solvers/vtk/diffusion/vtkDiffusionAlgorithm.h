@@ -22,13 +22,13 @@
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkMultiProcessController.h"  // for the smart pointer
 #include "vtkSetting.h"
+#include "vtkSmartPointer.h"
 
 #include <functional> // for std::function
 #include <map>        // for tables by phase
 #include <string>     // for tables by phase
-
-class vtkMultiProcessController;
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkDiffusionAlgorithm : public vtkImageAlgorithm
 {
@@ -55,7 +55,7 @@ public:
    * @group Diffusion
    * @choice Quantities
    */
-  vtkSettingMacro(Quantity, int);
+  vtkSettingMacro(Quantity, int, TEMPERATURE);
 
   enum SideTypes
   {
@@ -68,7 +68,7 @@ public:
    * @group Diffusion
    * @choice SideTypes
    */
-  vtkSettingMacro(Sides, int);
+  vtkSettingMacro(Sides, int, INSULATED);
 
   enum Lattices
   {
@@ -84,31 +84,30 @@ public:
    * @choice Lattices
    * @advanced
    */
-  vtkSettingMacro(Lattice, int);
+  vtkSettingMacro(Lattice, int, AUTO_LATTICE);
 
   /**
    * Put the flux vectors into the output. Off, they are neither computed nor stored.
    * @group Time
    */
-  vtkSwitchMacro(ComputeFlux);
+  vtkSwitchMacro(ComputeFlux, true);
 
   /** As vtkSampleAlgorithm. */
-  vtkSettingMacro(Threads, int);
+  vtkSettingMacro(Threads, int, 1);
 
   /** What kind of mistake the last update ended with: a value of vtkSampleAlgorithm::Failures. */
   vtkGetMacro(Failure, int);
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
 protected:
   vtkDiffusionAlgorithm();
-  ~vtkDiffusionAlgorithm() override;
+  ~vtkDiffusionAlgorithm() override = default;
 
-  int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
   /// Runs it; what it throws becomes an error of VTK, with its kind in Failure and empty outputs.
@@ -124,17 +123,12 @@ protected:
   int ThreadCount() const;
 
   int Direction = X;
-  int Quantity = TEMPERATURE;
-  int Sides = INSULATED;
-  int Lattice = AUTO_LATTICE;
-  bool ComputeFlux = true;
-  vtkMultiProcessController* Controller = nullptr;
+  vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 
 private:
   vtkDiffusionAlgorithm(const vtkDiffusionAlgorithm&) = delete;
   void operator=(const vtkDiffusionAlgorithm&) = delete;
 
-  int Threads = 1;
   int Failure = 0;
 };
 

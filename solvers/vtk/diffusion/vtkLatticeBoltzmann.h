@@ -79,17 +79,17 @@ public:
    * Value on the face where the direction begins.
    * @group Diffusion
    */
-  vtkSettingMacro(InletValue, double);
+  vtkSettingMacro(InletValue, double, 1);
   /**
    * Value on the face where it ends.
    * @group Diffusion
    */
-  vtkSettingMacro(OutletValue, double);
+  vtkSettingMacro(OutletValue, double, 0);
   /**
    * Value inside at time 0.
    * @group Diffusion
    */
-  vtkSettingMacro(InitialValue, double);
+  vtkSettingMacro(InitialValue, double, 0);
 
   enum Collisions
   {
@@ -105,7 +105,7 @@ public:
    * @choice Collisions
    * @advanced
    */
-  vtkSettingMacro(Collision, int);
+  vtkSettingMacro(Collision, int, AUTO_COLLISION);
 
   /**
    * The last time, in seconds. 0: none is given, and the states to keep must tell it.
@@ -113,14 +113,14 @@ public:
    * @unit s
    * @range [0, inf)
    */
-  vtkSettingMacro(EndTime, double);
+  vtkSettingMacro(EndTime, double, 0);
   /**
    * Times after 0 that are kept, evenly until the end: 8 bytes a node each.
    * @word frames
    * @group Time
    * @range [1, 100000]
    */
-  vtkSettingMacro(NumberOfSteps, int);
+  vtkSettingMacro(NumberOfSteps, int, 10);
   ///@{
   /**
    * States at these times in seconds are kept instead of evenly spaced ones. The last one is the end.
@@ -152,24 +152,24 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(TimeStep, double);
+  vtkSettingMacro(TimeStep, double, 0);
 
   /** As vtkBondBreakAlgorithm. */
-  vtkSettingMacro(CheckpointFile, std::string);
+  vtkSettingMacro(CheckpointFile, std::string, "");
   /** As vtkBondBreakAlgorithm. Steps between two checkpoints. */
-  vtkSettingMacro(CheckpointEvery, vtkIdType);
+  vtkSettingMacro(CheckpointEvery, vtkIdType, 10000);
   /** As vtkBondBreakAlgorithm. */
-  vtkSettingMacro(CheckpointSeconds, double);
+  vtkSettingMacro(CheckpointSeconds, double, 0);
   /**
    * As vtkBondBreakAlgorithm.
    *
    * To the same bits; the curve has the states before it. The times asked for may differ, the time step may not.
    */
-  vtkSettingMacro(ContinueFile, std::string);
+  vtkSettingMacro(ContinueFile, std::string, "");
   ///@{
   /** As vtkBondBreakAlgorithm. */
   vtkGetMacro(LastCheckpoint, vtkIdType);
-  vtkSwitchMacro(KeepStates);
+  vtkSwitchMacro(KeepStates, true);
   ///@}
   ///@{
   /** The times that the last update has kept and the image of each; null where there is none such. */
@@ -198,18 +198,6 @@ private:
 
   std::unique_ptr<Internals> Internal;
 
-  double InletValue = 1;
-  double OutletValue = 0;
-  double InitialValue = 0;
-  int Collision = AUTO_COLLISION;
-  double EndTime = 0;
-  int NumberOfSteps = 10;
-  double TimeStep = 0;
-  bool KeepStates = true;
-  std::string CheckpointFile;
-  vtkIdType CheckpointEvery = 10000;
-  double CheckpointSeconds = 0;
-  std::string ContinueFile;
   vtkIdType LastCheckpoint = 0;
 };
 

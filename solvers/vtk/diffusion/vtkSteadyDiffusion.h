@@ -119,7 +119,7 @@ public:
    * @group Materials
    * @columns none, all
    */
-  vtkSettingVector2Macro(Shares, double);
+  vtkSettingVector2Macro(Shares, double, 0, 0);
 
   enum AllDirections
   {
@@ -151,7 +151,7 @@ public:
    * @choice Methods
    * @advanced
    */
-  vtkSettingMacro(Method, int);
+  vtkSettingMacro(Method, int, AUTO_METHOD);
 
   /**
    * Largest relative error of the flux through either face.
@@ -159,7 +159,7 @@ public:
    * @range [1e-12, 0.1]
    * @advanced
    */
-  vtkSettingMacro(Tolerance, double);
+  vtkSettingMacro(Tolerance, double, 1e-8);
 
   /**
    * Gives up after this many iterations.
@@ -168,13 +168,13 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSettingMacro(MaximumIterations, int);
+  vtkSettingMacro(MaximumIterations, int, 500);
 
   /**
    * Put the temperature or concentration (scaled 0 to 1) into the output. Off, it is neither computed nor stored.
    * @group Output
    */
-  vtkSwitchMacro(ComputeField);
+  vtkSwitchMacro(ComputeField, true);
 
   /**
    * Split every pixel into N × N (× N).
@@ -183,7 +183,7 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSettingMacro(Refinement, int);
+  vtkSettingMacro(Refinement, int, 1);
 
   /**
    * Also solve the pictures that every second, third and fourth pixel gives, and every pixel split in 2 × 2 (× 2), on
@@ -193,7 +193,7 @@ public:
    * @group Accuracy and cost
    * @panel off
    */
-  vtkSwitchMacro(EstimateError);
+  vtkSwitchMacro(EstimateError, true);
   /** The largest relative error of the last update; NaN when it was not estimated. */
   vtkGetMacro(EstimatedError, double);
 
@@ -205,7 +205,7 @@ public:
    * @unset 0
    * @advanced
    */
-  vtkSettingMacro(TargetError, double);
+  vtkSettingMacro(TargetError, double, 0);
 
   enum Events
   {
@@ -245,14 +245,6 @@ private:
 
   std::unique_ptr<Internals> Internal;
 
-  double Shares[2] = { 0, 0 };
-  int Method = AUTO_METHOD;
-  double Tolerance = 1e-8;
-  int MaximumIterations = 500;
-  bool ComputeField = true;
-  int Refinement = 1;
-  bool EstimateError = true;
-  double TargetError = 0;
   double EffectiveConductivity[9];
   double EstimatedError;
 };

@@ -47,7 +47,7 @@ public:
    * @unit m
    * @range (0, inf)
    */
-  vtkSettingMacro(LengthUnit, double);
+  vtkSettingMacro(LengthUnit, double, 1);
 
   /**
    * Edges of a table's box in metres, from the origin, two of disks. All 0: the box that just holds the grains, which
@@ -58,7 +58,7 @@ public:
    * @rest 0
    * @range [0, inf)
    */
-  vtkSettingVector3Macro(BoxSize, double);
+  vtkSettingVector3Macro(BoxSize, double, 0, 0, 0);
 
   /** The contacts, output 1. */
   vtkPolyData* GetContacts();
@@ -77,8 +77,6 @@ private:
   void Read(vtkPolyData* particles, vtkPolyData* contacts);
 
   char* FileName = nullptr;
-  double LengthUnit = 1;
-  double BoxSize[3] = { 0, 0, 0 };
 };
 
 #endif

@@ -86,7 +86,7 @@ public:
    * By micrograph::segment and segmentVolume; field data `segmentation` says how, a line a step.
    * @group Phases
    */
-  vtkSwitchMacro(Segment);
+  vtkSwitchMacro(Segment, false);
 
   enum LumenSides
   {
@@ -101,7 +101,7 @@ public:
    * @choice LumenSides
    * @when Segment
    */
-  vtkSettingMacro(Lumen, int);
+  vtkSettingMacro(Lumen, int, AUTO_LUMEN);
 
   /**
    * Of a scan: grey value between the two once the light is even, in pictures 0 to 255, in volumes as in the file.
@@ -112,7 +112,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSettingMacro(Threshold, double);
+  vtkSettingMacro(Threshold, double, -1);
 
   enum Channels
   {
@@ -130,7 +130,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSettingMacro(Channel, int);
+  vtkSettingMacro(Channel, int, AUTO_CHANNEL);
 
   /**
    * Of a scan: scale over which the stain may vary. 0: no flattening. Not given (-1): found.
@@ -141,7 +141,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSettingMacro(Background, double);
+  vtkSettingMacro(Background, double, -1);
 
   /**
    * Of a scan: Gaussian before the threshold. 0: none. Not given (-1): found.
@@ -152,7 +152,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSettingMacro(Smoothing, double);
+  vtkSettingMacro(Smoothing, double, -1);
 
   /**
    * Of a scan: specks of lumen of fewer pixels become wall. Not given (-1): found.
@@ -162,7 +162,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSettingMacro(SmallestLumen, vtkIdType);
+  vtkSettingMacro(SmallestLumen, vtkIdType, -1);
 
   /**
    * Of a scan: specks of wall in lumens of fewer pixels become lumen. Not given (-1): found.
@@ -172,7 +172,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSettingMacro(SmallestWall, vtkIdType);
+  vtkSettingMacro(SmallestWall, vtkIdType, -1);
 
   /**
    * Of a scan: radius of the disk that closes necks between lumens. 0: none. Not given (-1): found.
@@ -183,7 +183,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSettingMacro(Opening, double);
+  vtkSettingMacro(Opening, double, -1);
 
   /**
    * Of a scan: how far outlines move outwards, onto a dark rim. 0: not at all. Not given (-1): found.
@@ -194,7 +194,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSettingMacro(Rim, double);
+  vtkSettingMacro(Rim, double, -1);
 
   /**
    * Of a scan: gaps in rays whose length over their width (a ratio) is larger become wall. 0: none.
@@ -203,7 +203,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSettingMacro(RaySlenderness, double);
+  vtkSettingMacro(RaySlenderness, double, 3);
 
   /**
    * Of a scan: outlines move outwards by so much besides; inwards if negative.
@@ -212,7 +212,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSettingMacro(Grow, double);
+  vtkSettingMacro(Grow, double, 0);
 
   /**
    * Of a scan: margins, scale bars and text are not painted over.
@@ -220,7 +220,7 @@ public:
    * @when Segment
    * @advanced
    */
-  vtkSwitchMacro(KeepGraphics);
+  vtkSwitchMacro(KeepGraphics, false);
 
   ///@{
   /**
@@ -242,7 +242,7 @@ public:
    * @group Lattice
    * @range [1, 64]
    */
-  vtkSettingMacro(Refinement, int);
+  vtkSettingMacro(Refinement, int, 1);
 
   /**
    * Edge of a pixel in metres, as 5e-7 (or 0.5um in a command); wins over what the file says. Not given (0): what the
@@ -252,7 +252,7 @@ public:
    * @range (0, inf)
    * @unset 0
    */
-  vtkSettingMacro(PixelSize, double);
+  vtkSettingMacro(PixelSize, double, 0);
 
   /**
    * Distance of two slices of a volume in metres, where voxels are not cubes; wins over what the file says. Not given
@@ -263,7 +263,7 @@ public:
    * @unset 0
    * @advanced
    */
-  vtkSettingMacro(SliceDistance, double);
+  vtkSettingMacro(SliceDistance, double, 0);
 
   /**
    * Raw volumes: voxels along x, y and z. Not given (0): from a name such as berea_200x200x200_u8.raw.
@@ -273,7 +273,7 @@ public:
    * @unset 0
    * @advanced
    */
-  vtkSettingVector3Macro(RawSize, int);
+  vtkSettingVector3Macro(RawSize, int, 0, 0, 0);
 
   /**
    * Raw volumes: bits of a voxel, 8 or 16; 0: from the name or the size of the file.
@@ -281,7 +281,7 @@ public:
    * @values 0 = From the name or the size; 8; 16
    * @advanced
    */
-  vtkSettingMacro(RawBits, int);
+  vtkSettingMacro(RawBits, int, 0);
 
   /**
    * Raw volumes: bytes before the first voxel.
@@ -289,7 +289,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(RawHeader, vtkIdType);
+  vtkSettingMacro(RawHeader, vtkIdType, 0);
 
   ///@{
   /**
@@ -327,26 +327,7 @@ private:
   char* OtherPhase = nullptr;
   char* ArrayName = nullptr;
   std::map<std::string, std::string> PhaseOfGreys;
-  bool Segment = false;
-  int Lumen = AUTO_LUMEN;
-  double Threshold = -1;
-  int Channel = AUTO_CHANNEL;
-  double Background = -1;
-  double Smoothing = -1;
-  vtkIdType SmallestLumen = -1;
-  vtkIdType SmallestWall = -1;
-  double Opening = -1;
-  double Rim = -1;
-  double RaySlenderness = 3;
-  double Grow = 0;
-  bool KeepGraphics = false;
   int Window[6] = { 0, 0, 0, 0, 0, 0 };
-  int Refinement = 1;
-  double PixelSize = 0;
-  double SliceDistance = 0;
-  int RawSize[3] = { 0, 0, 0 };
-  int RawBits = 0;
-  vtkIdType RawHeader = 0;
 
   vtkSmartPointer<vtkImageData> Image; ///< what was read
   vtkTimeStamp ReadTime;

@@ -59,13 +59,13 @@ public:
    * How hard HDF5 packs (deflate, after shuffling bytes): 0, the fastest, not at all; to 9.
    * @range [0, 9]
    */
-  vtkSettingMacro(CompressionLevel, int);
+  vtkSettingMacro(CompressionLevel, int, 1);
 
   /**
    * Images: bytes of all arrays that a slab holds at most, if that is a layer at all.
    * @range [1, inf)
    */
-  vtkSettingMacro(SlabBytes, vtkIdType);
+  vtkSettingMacro(SlabBytes, vtkIdType, 16777216);
 
 protected:
   vtkVTKHDFWriter();
@@ -90,8 +90,6 @@ private:
   void Discard();
 
   char* FileName = nullptr;
-  int CompressionLevel = 1;
-  vtkIdType SlabBytes = 16777216;
   std::unique_ptr<File> Open; ///< while an image is written slab by slab
 };
 

@@ -53,7 +53,7 @@ public:
    * @group Lumens
    * @choice Bases
    */
-  vtkSettingMacro(Basis, int);
+  vtkSettingMacro(Basis, int, PHASES);
 
   /**
    * Level: outlines where numbers that vary smoothly pass this value, between lumens' and walls'; unsigned numbers of 8
@@ -61,14 +61,14 @@ public:
    * @group Lumens
    * @when Basis LEVEL
    */
-  vtkSettingMacro(Level, double);
+  vtkSettingMacro(Level, double, 0.5);
 
   /**
    * Level: lumens are where values are below it. Shares: they are the wall's.
    * @group Lumens
    * @when Basis LEVEL SHARES
    */
-  vtkSwitchMacro(LumenBelow);
+  vtkSwitchMacro(LumenBelow, false);
 
   /**
    * The phase of the lumens: its name, or its number where phases have no names. Empty: the first that is called void,
@@ -76,14 +76,14 @@ public:
    * @group Lumens
    * @when Basis PHASES
    */
-  vtkSettingMacro(LumenPhase, std::string);
+  vtkSettingMacro(LumenPhase, std::string, "");
 
   /**
    * Smooth the steps of pixels away; each outline keeps its area.
    * @group Outlines
    * @off no-smooth: Keep the steps of the pixels.
    */
-  vtkSwitchMacro(Smooth);
+  vtkSwitchMacro(Smooth, true);
 
   /**
    * Waves along an outline that are shorter than so many pixels are damped.
@@ -93,7 +93,7 @@ public:
    * @when Smooth
    * @advanced
    */
-  vtkSettingMacro(Wavelength, double);
+  vtkSettingMacro(Wavelength, double, 20);
 
   /**
    * Points nearer than so many pixels to the line through their neighbours are left out. 0: all stay.
@@ -102,7 +102,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(Tolerance, double);
+  vtkSettingMacro(Tolerance, double, 0.02);
 
   /**
    * Smaller lumens become wall, in square metres.
@@ -110,7 +110,7 @@ public:
    * @unit m²
    * @range [0, inf)
    */
-  vtkSettingMacro(SmallestArea, double);
+  vtkSettingMacro(SmallestArea, double, 0);
 
   /**
    * Lumens smaller than a circle of this diameter become wall, in metres.
@@ -118,14 +118,14 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSettingMacro(LeastDiameter, double);
+  vtkSettingMacro(LeastDiameter, double, 0);
 
   /**
    * Closed lumens that fill a smaller share of their convex hull become wall.
    * @group Which ones
    * @range [0, 1]
    */
-  vtkSettingMacro(LeastSolidity, double);
+  vtkSettingMacro(LeastSolidity, double, 0);
 
 protected:
   vtkMicrographContours();
@@ -141,17 +141,6 @@ private:
   void operator=(const vtkMicrographContours&) = delete;
 
   void Extract(vtkImageData* image, vtkPolyData* outlines);
-
-  int Basis = PHASES;
-  double Level = 0.5;
-  bool LumenBelow = false;
-  std::string LumenPhase;
-  bool Smooth = true;
-  double Wavelength = 20;
-  double Tolerance = 0.02;
-  double SmallestArea = 0;
-  double LeastDiameter = 0;
-  double LeastSolidity = 0;
 };
 
 #endif

@@ -51,7 +51,7 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSettingMacro(Spacing, double);
+  vtkSettingMacro(Spacing, double, 0);
 
   /**
    * Nodes that a solver wants across the middle lamella: fewer are warned of.
@@ -59,7 +59,7 @@ public:
    * @range [0, inf)
    * @when Lamella GROWTH CONSTANT LABELS
    */
-  vtkSettingMacro(Horizon, double);
+  vtkSettingMacro(Horizon, double, 0);
 
 protected:
   vtkMicrographLattice();
@@ -76,9 +76,6 @@ private:
   /// Makes Image, unless it is up to date; says what is wrong.
   bool Rasterise(vtkPolyData* outlines, vtkImageData* picture);
   vtkSmartPointer<vtkImageData> Made(vtkPolyData* outlines, vtkImageData* picture);
-
-  double Spacing = 0;
-  double Horizon = 0;
 
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;

@@ -45,7 +45,7 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSettingMacro(Unit, double);
+  vtkSettingMacro(Unit, double, 0);
 
   ///@{
   /**
@@ -62,12 +62,12 @@ public:
    * @word y-down
    * @group Polygons
    */
-  vtkSwitchMacro(YDown);
+  vtkSwitchMacro(YDown, false);
 
   ///@{
   /** As vtkMicrographContours. */
-  vtkSettingMacro(LeastDiameter, double);
-  vtkSettingMacro(LeastSolidity, double);
+  vtkSettingMacro(LeastDiameter, double, 0);
+  vtkSettingMacro(LeastSolidity, double, 0);
   ///@}
 
   /** The cells' outlines, output 1; without lines where the file has none. */
@@ -90,11 +90,7 @@ private:
   void Filter(vtkPolyData* lumens);
 
   char* FileName = nullptr;
-  double Unit = 0;
   double Window[4] = { 0, 0, 0, 0 };
-  bool YDown = false;
-  double LeastDiameter = 0;
-  double LeastSolidity = 0;
 };
 
 #endif

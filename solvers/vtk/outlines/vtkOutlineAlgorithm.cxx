@@ -3,7 +3,6 @@
 #include "Settings.h"
 #include "vtkPieces.h"
 
-#include "vtkDemandDrivenPipeline.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -12,29 +11,11 @@
 vtkOutlineAlgorithm::vtkOutlineAlgorithm()
 {
   this->SetNumberOfInputPorts(2);
-  this->SetNumberOfOutputPorts(1);
-}
-
-void vtkOutlineAlgorithm::SetInputData(int port, vtkDataObject* input)
-{
-  this->SetInputDataInternal(port, input);
 }
 
 void vtkOutlineAlgorithm::SetPictureData(vtkImageData* picture)
 {
   this->SetInputDataInternal(1, picture);
-}
-
-vtkTypeBool vtkOutlineAlgorithm::ProcessRequest(
-  vtkInformation* request, vtkInformationVector** inputs, vtkInformationVector* outputs)
-{
-  if (request->Has(vtkDemandDrivenPipeline::REQUEST_INFORMATION()))
-    return this->RequestInformation(request, inputs, outputs);
-  if (request->Has(vtkStreamingDemandDrivenPipeline::REQUEST_UPDATE_EXTENT()))
-    return this->RequestUpdateExtent(request, inputs, outputs);
-  if (request->Has(vtkDemandDrivenPipeline::REQUEST_DATA()))
-    return this->RequestData(request, inputs, outputs);
-  return this->Superclass::ProcessRequest(request, inputs, outputs);
 }
 
 int vtkOutlineAlgorithm::FillInputPortInformation(int port, vtkInformation* info)

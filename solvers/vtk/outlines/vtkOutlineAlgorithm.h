@@ -11,26 +11,19 @@
 #ifndef vtkOutlineAlgorithm_h
 #define vtkOutlineAlgorithm_h
 
-#include "vtkAlgorithm.h"
+#include "vtkDataObjectAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkSetting.h"
 
 #include <string> // for the phase
 
-class vtkDataObject;
 class vtkImageData;
 
-class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineAlgorithm : public vtkAlgorithm
+class VTKLAMELLASOLVERSVTK_EXPORT vtkOutlineAlgorithm : public vtkDataObjectAlgorithm
 {
 public:
-  vtkTypeMacro(vtkOutlineAlgorithm, vtkAlgorithm);
+  vtkTypeMacro(vtkOutlineAlgorithm, vtkDataObjectAlgorithm);
   void PrintSelf(ostream& os, vtkIndent indent) override;
-
-  ///@{
-  /** The outlines, input 0, and what else goes in. */
-  void SetInputData(vtkDataObject* input) { this->SetInputData(0, input); }
-  void SetInputData(int port, vtkDataObject* input);
-  ///@}
 
   ///@{
   /** The picture that the outlines were found in, input 1. */
@@ -51,7 +44,7 @@ public:
    * @group Middle Lamella
    * @choice LamellaTypes
    */
-  vtkSettingMacro(Lamella, int);
+  vtkSettingMacro(Lamella, int, NONE);
 
   /**
    * Gap that growing outlines keep, or the constant thickness, in metres. 0: half a micrometre, but not more than an
@@ -61,7 +54,7 @@ public:
    * @range [0, inf)
    * @when Lamella GROWTH CONSTANT
    */
-  vtkSettingMacro(LamellaThickness, double);
+  vtkSettingMacro(LamellaThickness, double, 0);
 
   /**
    * Growing outlines stop where their radius of curvature has fallen to so many metres. 0: never. Below 0: a quarter of
@@ -70,30 +63,21 @@ public:
    * @unit m
    * @when Lamella GROWTH
    */
-  vtkSettingMacro(LamellaRadius, double);
+  vtkSettingMacro(LamellaRadius, double, -1);
 
   /**
    * The phase of the picture that is the middle lamella. Empty: the one that is called middle lamella, or lamella.
    * @group Middle Lamella
    * @when Lamella LABELS
    */
-  vtkSettingMacro(LamellaPhase, std::string);
-
-  vtkTypeBool ProcessRequest(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
+  vtkSettingMacro(LamellaPhase, std::string, "");
 
 protected:
   vtkOutlineAlgorithm();
   ~vtkOutlineAlgorithm() override = default;
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
-  virtual int RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector*) = 0;
-  virtual int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*);
-  virtual int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) = 0;
-
-  int Lamella = NONE;
-  double LamellaThickness = 0;
-  double LamellaRadius = -1;
-  std::string LamellaPhase;
+  int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
   vtkOutlineAlgorithm(const vtkOutlineAlgorithm&) = delete;

@@ -81,7 +81,7 @@ public:
    * @group Diffusion
    * @choice Directions
    */
-  vtkSettingMacro(Direction, int);
+  vtkSettingMacro(Direction, int, ALL);
 
   /**
    * Distance of the nodes on the finer lattice in metres; it changes a little so that a whole number fits the picture.
@@ -90,7 +90,7 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSettingMacro(Spacing, double);
+  vtkSettingMacro(Spacing, double, 0);
 
   /**
    * Halve the spacing until the error bar is below this share, as far as the picture's pixels and half of the free
@@ -99,7 +99,7 @@ public:
    * @range (0, 1)
    * @unset 0
    */
-  vtkSettingMacro(TargetError, double);
+  vtkSettingMacro(TargetError, double, 0);
 
   /**
    * Threads of the solver. 0: one for each core.
@@ -107,7 +107,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(Threads, int);
+  vtkSettingMacro(Threads, int, 1);
 
   enum Events
   {
@@ -139,11 +139,6 @@ private:
   void Solve(vtkPolyData* outlines, vtkImageData* picture, vtkPolyData* output);
 
   std::unique_ptr<Internals> Internal;
-
-  int Direction = ALL;
-  double Spacing = 0;
-  double TargetError = 0;
-  int Threads = 1;
 };
 
 #endif

@@ -55,7 +55,7 @@ public:
    * @group Walls
    * @choice Laws
    */
-  vtkSettingMacro(Law, int);
+  vtkSettingMacro(Law, int, AUTO_LAW);
 
   enum Planes
   {
@@ -70,7 +70,7 @@ public:
    * @choice Planes
    * @advanced
    */
-  vtkSettingMacro(Plane, int);
+  vtkSettingMacro(Plane, int, AUTO_PLANE);
 
   /**
    * Young's modulus of the walls [Pa], along the axis where there is one. 0: 8e9 with an axis, 7.2e9 without.
@@ -80,7 +80,7 @@ public:
    * @range (0, inf)
    * @unset 0
    */
-  vtkSettingMacro(YoungsModulus, double);
+  vtkSettingMacro(YoungsModulus, double, 0);
   /**
    * Orthotropic: Young's modulus across the axis [Pa].
    * @word transverse
@@ -89,14 +89,14 @@ public:
    * @when Law AUTO_LAW ORTHOTROPIC
    * @range (0, inf)
    */
-  vtkSettingMacro(TransverseModulus, double);
+  vtkSettingMacro(TransverseModulus, double, 6.4e9);
   /**
    * Poisson's ratio; with an axis contraction across it, pulled along it.
    * @word poisson
    * @group Walls
    * @range (-1, 1)
    */
-  vtkSettingMacro(PoissonsRatio, double);
+  vtkSettingMacro(PoissonsRatio, double, 0.3);
   /**
    * Orthotropic: Poisson's ratio among the directions across the axis.
    * @word transverse-poisson
@@ -105,7 +105,7 @@ public:
    * @advanced
    * @range (-1, 1)
    */
-  vtkSettingMacro(TransversePoissonsRatio, double);
+  vtkSettingMacro(TransversePoissonsRatio, double, 0.3);
   /**
    * Orthotropic: shear modulus along the axis [Pa]. 0: from the others.
    * @word shear
@@ -116,14 +116,14 @@ public:
    * @when Law AUTO_LAW ORTHOTROPIC
    * @advanced
    */
-  vtkSettingMacro(ShearModulus, double);
+  vtkSettingMacro(ShearModulus, double, 0);
   /**
    * What keeps points from being crushed to nothing, over the greatest stiffness of the wall.
    * @group Walls
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(Barrier, double);
+  vtkSettingMacro(Barrier, double, 1);
   /**
    * Plastic: stress at which walls yield [Pa].
    * @word yield, yield_stress
@@ -132,7 +132,7 @@ public:
    * @when Law PLASTIC
    * @range (0, inf]
    */
-  vtkSettingMacro(YieldStress, double);
+  vtkSettingMacro(YieldStress, double, 1e8);
   /**
    * Plastic: slope of the yield stress over the plastic strain [Pa].
    * @group Walls
@@ -140,7 +140,7 @@ public:
    * @range [0, inf)
    * @when Law PLASTIC
    */
-  vtkSettingMacro(Hardening, double);
+  vtkSettingMacro(Hardening, double, 0);
   /**
    * Density of the walls [kg/m^3].
    * @group Walls
@@ -148,7 +148,7 @@ public:
    * @advanced
    * @range (0, inf)
    */
-  vtkSettingMacro(Density, double);
+  vtkSettingMacro(Density, double, 1500);
 
   ///@{
   /**
@@ -169,7 +169,7 @@ public:
    * @group Points and grid
    * @range [0, 16]
    */
-  vtkSettingMacro(PointsPerNode, int);
+  vtkSettingMacro(PointsPerNode, int, 0);
   /**
    * Cells of the grid along each axis in a node of the image. Walls want two cells across at least.
    *
@@ -177,13 +177,13 @@ public:
    * @group Points and grid
    * @range (0, inf)
    */
-  vtkSettingMacro(CellsPerNode, double);
+  vtkSettingMacro(CellsPerNode, double, 1);
 
   /**
    * Platens stand where the tissue begins and ends, not at the image's ends.
    * @group Load
    */
-  vtkSwitchMacro(FitPlatens);
+  vtkSwitchMacro(FitPlatens, false);
 
 protected:
   vtkPointAlgorithm();
@@ -208,22 +208,7 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Internal;
 
-  int Law = AUTO_LAW;
-  int Plane = AUTO_PLANE;
-  double YoungsModulus = 0;
-  double TransverseModulus = 6.4e9;
-  double PoissonsRatio = 0.3;
-  double TransversePoissonsRatio = 0.3;
-  double ShearModulus = 0;
-  double Barrier = 1;
-  double YieldStress = 1e8;
-  double Hardening = 0;
-  double Density = 1500;
-  int PointsPerNode = 0;
-  double CellsPerNode = 1;
-
 protected:
-  bool FitPlatens = false;
 };
 
 #endif

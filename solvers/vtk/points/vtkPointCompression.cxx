@@ -16,7 +16,6 @@
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkMultiProcessController.h"
 #include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
@@ -88,15 +87,10 @@ vtkPointCompression::vtkPointCompression()
 {
   this->Kept->Self = this;
   this->SetNumberOfOutputPorts(2);
-  this->SetController(vtkMultiProcessController::GetGlobalController());
+  this->Controller = vtkMultiProcessController::GetGlobalController();
 }
 
-vtkPointCompression::~vtkPointCompression()
-{
-  this->SetController(nullptr);
-}
-
-vtkCxxSetObjectMacro(vtkPointCompression, Controller, vtkMultiProcessController);
+vtkPointCompression::~vtkPointCompression() = default;
 
 int vtkPointCompression::FillOutputPortInformation(int port, vtkInformation* info)
 {

@@ -51,7 +51,6 @@
 #include <memory> // for std::unique_ptr
 #include <string> // for members
 
-class vtkMultiProcessController;
 class vtkPolyData;
 class vtkTable;
 
@@ -62,14 +61,14 @@ public:
   vtkTypeMacro(vtkPointCompression, vtkPointAlgorithm);
 
   /** As vtkBondLoadAlgorithm. */
-  vtkSettingMacro(LoadAxis, int);
+  vtkSettingMacro(LoadAxis, int, LAST_AXIS);
 
   /**
    * Strain to end at, above 0 and below 1.
    * @group Load
    * @range (0, 1)
    */
-  vtkSettingMacro(Strain, double);
+  vtkSettingMacro(Strain, double, 0.48);
 
   enum SideKinds
   {
@@ -83,28 +82,28 @@ public:
    * @group Load
    * @choice SideKinds
    */
-  vtkSettingMacro(Sides, int);
+  vtkSettingMacro(Sides, int, STRAIGHT);
 
   /**
    * Platens do not let slide.
    * @group Load
    * @advanced
    */
-  vtkSwitchMacro(Grip);
+  vtkSwitchMacro(Grip, false);
 
   /**
    * Kinetic over elastic energy that is allowed.
    * @group How slowly
    * @range [0, inf)
    */
-  vtkSettingMacro(EnergyRatio, double);
+  vtkSettingMacro(EnergyRatio, double, 0.01);
   /**
    * Strain from which the energy ratio is kept.
    * @group How slowly
    * @range [0, 1]
    * @advanced
    */
-  vtkSettingMacro(CalmFrom, double);
+  vtkSettingMacro(CalmFrom, double, 0.05);
   /**
    * Speed of the platens towards each other at the start, over the fastest wave in the wall; between the least and the
    * most speed.
@@ -112,35 +111,35 @@ public:
    * @advanced
    * @range (0, 1)
    */
-  vtkSettingMacro(FirstSpeed, double);
+  vtkSettingMacro(FirstSpeed, double, 0.001);
   /**
    * Speed below which the control does not go.
    * @group How slowly
    * @advanced
    * @range (0, 1)
    */
-  vtkSettingMacro(LeastSpeed, double);
+  vtkSettingMacro(LeastSpeed, double, 5e-05);
   /**
    * Speed above which the control does not go.
    * @group How slowly
    * @advanced
    * @range (0, 1)
    */
-  vtkSettingMacro(MostSpeed, double);
+  vtkSettingMacro(MostSpeed, double, 0.02);
   /**
    * Friction against a frame that deforms evenly, over the lowest frequency of a bar of wall as high as the specimen.
    * @group How slowly
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(Damping, double);
+  vtkSettingMacro(Damping, double, 0);
   /**
    * Rows of the curve.
    * @group State shown
    * @range [1, inf)
    * @advanced
    */
-  vtkSettingMacro(Rows, int);
+  vtkSettingMacro(Rows, int, 240);
 
   enum Shapes
   {
@@ -154,7 +153,7 @@ public:
    * @choice Shapes
    * @advanced
    */
-  vtkSettingMacro(Shape, int);
+  vtkSettingMacro(Shape, int, SPLINE);
   enum Transfers
   {
     FLIP = 0, ///< "FLIP"
@@ -168,19 +167,19 @@ public:
    * @choice Transfers
    * @advanced
    */
-  vtkSettingMacro(Transfer, int);
+  vtkSettingMacro(Transfer, int, APIC);
   /**
    * Consistent mass instead of lumped.
    * @group Points and grid
    * @advanced
    */
-  vtkSwitchMacro(ConsistentMass);
+  vtkSwitchMacro(ConsistentMass, false);
   /**
    * Stress from the velocities that points give back to the grid (MUSL).
    * @group Points and grid
    * @advanced
    */
-  vtkSwitchMacro(ModifiedUpdate);
+  vtkSwitchMacro(ModifiedUpdate, false);
   /**
    * Step in time [s]; 0: 0.9 of the largest stable one, followed as the points deform. One above that is refused with
    * it.
@@ -189,7 +188,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(TimeStep, double);
+  vtkSettingMacro(TimeStep, double, 0);
 
   ///@{
   /**
@@ -204,7 +203,7 @@ public:
   ///@}
   ///@{
   /** As vtkBondBreakAlgorithm. */
-  vtkSwitchMacro(KeepStates);
+  vtkSwitchMacro(KeepStates, true);
   void SetState(int state);
   int GetState();
   vtkGetVector2Macro(StateRange, int);
@@ -256,20 +255,20 @@ public:
   ///@}
 
   /** As vtkBondBreakAlgorithm. */
-  vtkSettingMacro(CheckpointFile, std::string);
+  vtkSettingMacro(CheckpointFile, std::string, "");
   /** As vtkBondBreakAlgorithm. Steps between two checkpoints. Go on with the number that the run began with. */
-  vtkSettingMacro(CheckpointEvery, vtkIdType);
+  vtkSettingMacro(CheckpointEvery, vtkIdType, 2000);
   ///@{
   /** As vtkBondBreakAlgorithm. */
-  vtkSettingMacro(CheckpointSeconds, double);
-  vtkSettingMacro(ContinueFile, std::string);
+  vtkSettingMacro(CheckpointSeconds, double, 0);
+  vtkSettingMacro(ContinueFile, std::string, "");
   vtkGetMacro(LastCheckpoint, vtkIdType);
   ///@}
 
   ///@{
   /** The processes that may work together. Default: the global controller. */
-  virtual void SetController(vtkMultiProcessController* controller);
-  vtkGetObjectMacro(Controller, vtkMultiProcessController);
+  vtkSetSmartPointerMacro(Controller, vtkMultiProcessController);
+  vtkGetSmartPointerMacro(Controller, vtkMultiProcessController);
   ///@}
 
   /** Output 0. */
@@ -299,33 +298,12 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Kept;
 
-  int LoadAxis = LAST_AXIS;
-  double Strain = 0.48;
-  int Sides = STRAIGHT;
-  bool Grip = false;
-  bool KeepStates = true;
-  double EnergyRatio = 0.01;
-  double CalmFrom = 0.05;
-  double FirstSpeed = 0.001;
-  double LeastSpeed = 5e-05;
-  double MostSpeed = 0.02;
-  double Damping = 0;
-  int Rows = 240;
-  int Shape = SPLINE;
-  int Transfer = APIC;
-  bool ConsistentMass = false;
-  bool ModifiedUpdate = false;
-  double TimeStep = 0;
   bool ComputeDisplacement = true;
   bool ComputeVelocity = false;
   bool ComputeStress = false;
   bool ComputeDeformationGradient = false;
   bool ComputeEnergyDensity = false;
   int StateRange[2] = { -1, 0 }; // VTK's macros want an array
-  std::string CheckpointFile;
-  vtkIdType CheckpointEvery = 2000;
-  double CheckpointSeconds = 0;
-  std::string ContinueFile;
   vtkIdType LastCheckpoint = 0;
 };
 

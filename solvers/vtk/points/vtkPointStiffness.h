@@ -59,7 +59,7 @@ public:
    * @group Load
    * @choice SideKinds
    */
-  vtkSettingMacro(Sides, int);
+  vtkSettingMacro(Sides, int, STRAIGHT);
 
   /**
    * Largest residual.
@@ -67,7 +67,7 @@ public:
    * @range [1e-12, 0.1]
    * @advanced
    */
-  vtkSettingMacro(Tolerance, double);
+  vtkSettingMacro(Tolerance, double, 1e-6);
   /**
    * Gives up after this many iterations for one strain.
    * @word max-iterations
@@ -75,7 +75,7 @@ public:
    * @range [1, inf)
    * @advanced
    */
-  vtkSettingMacro(MaximumIterations, int);
+  vtkSettingMacro(MaximumIterations, int, 20000);
 
   enum PlanEvents
   {
@@ -103,10 +103,6 @@ private:
   struct Answer;
   template <int Dim>
   Answer Solve(const lamella::PointScene& scene);
-
-  int Sides = STRAIGHT;
-  double Tolerance = 1e-6;
-  int MaximumIterations = 20000;
 };
 
 #endif

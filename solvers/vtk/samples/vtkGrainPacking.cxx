@@ -95,8 +95,7 @@ vtkMTimeType vtkGrainPacking::GetMTime()
 
 int vtkGrainPacking::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
 {
-  for (int port = 0; port < 2; ++port)
-    outputVector->GetInformationObject(port)->Set(CAN_HANDLE_PIECE_REQUEST(), 1); // all in the first piece
+  lamella::allInFirstPiece(outputVector);
   return 1;
 }
 

@@ -46,14 +46,14 @@ public:
    * @group Grains
    * @values 2 = 2: disks; 3 = 3: spheres
    */
-  vtkSettingMacro(Dimension, int);
+  vtkSettingMacro(Dimension, int, 2);
 
   /**
    * How many grains: at least 10 disks or 30 spheres. 400 disks take about a second.
    * @group Grains
    * @range [1, inf)
    */
-  vtkSettingMacro(Count, vtkIdType);
+  vtkSettingMacro(Count, vtkIdType, 400);
 
   /**
    * Mean of the grains' diameters in metres.
@@ -61,14 +61,14 @@ public:
    * @unit m
    * @range (0, inf)
    */
-  vtkSettingMacro(MeanDiameter, double);
+  vtkSettingMacro(MeanDiameter, double, 1e-3);
 
   /**
    * Largest diameter over the smallest.
    * @group Grains
    * @range [1, 10]
    */
-  vtkSettingMacro(DiameterRatio, double);
+  vtkSettingMacro(DiameterRatio, double, 2);
 
   enum SizeDistributions
   {
@@ -82,27 +82,27 @@ public:
    * @group Grains
    * @choice SizeDistributions
    */
-  vtkSettingMacro(Sizes, int);
+  vtkSettingMacro(Sizes, int, VOLUME);
 
   /**
    * Edge of the box along its last axis (y of disks, z of spheres) over the other edges.
    * @group Grains
    * @range [0.2, 5]
    */
-  vtkSettingMacro(Aspect, double);
+  vtkSettingMacro(Aspect, double, 2);
 
   /**
    * The box is one cell of an endless packing, periodic along all axes. Otherwise it has smooth walls.
    * @group Grains
    */
-  vtkSwitchMacro(Periodic);
+  vtkSwitchMacro(Periodic, false);
 
   /**
    * Coulomb's friction coefficient between grains and with walls. More friction, looser packings.
    * @group Compaction
    * @range [0, 2]
    */
-  vtkSettingMacro(Friction, double);
+  vtkSettingMacro(Friction, double, 0);
 
   /**
    * What the walls press with, in pascals. Forces are in proportion to it.
@@ -110,7 +110,7 @@ public:
    * @unit Pa
    * @range (0, inf)
    */
-  vtkSettingMacro(Pressure, double);
+  vtkSettingMacro(Pressure, double, 1000);
 
   /**
    * Pressure over the contacts' stiffness: about the mean overlap of two grains over the diameter.
@@ -118,21 +118,21 @@ public:
    * @range [1e-7, 1e-2]
    * @advanced
    */
-  vtkSettingMacro(Softness, double);
+  vtkSettingMacro(Softness, double, 1e-6);
 
   /**
    * Ends the compaction at this share of the box, before the grains jam and touch. 0: they jam.
    * @group Compaction
    * @range [0, 1)
    */
-  vtkSettingMacro(PackingFraction, double);
+  vtkSettingMacro(PackingFraction, double, 0);
 
   /**
    * Another seed gives another packing of the same grains.
    * @group Grains
    * @range [0, inf)
    */
-  vtkSettingMacro(Seed, vtkIdType);
+  vtkSettingMacro(Seed, vtkIdType, 1);
 
   ///@{
   /**
@@ -153,7 +153,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(Threads, int);
+  vtkSettingMacro(Threads, int, 1);
 
   /**
    * At rest, the mean net force on a grain is below this share of the mean contact force.
@@ -161,7 +161,7 @@ public:
    * @range [1e-8, 1e-2]
    * @advanced
    */
-  vtkSettingMacro(Tolerance, double);
+  vtkSettingMacro(Tolerance, double, 1e-4);
 
   /**
    * Steps of relaxation from one state that is kept on the way to the next. 0: the end alone. The packing at the end
@@ -170,10 +170,10 @@ public:
    * @group States
    * @range [0, inf)
    */
-  vtkSettingMacro(StateEvery, vtkIdType);
+  vtkSettingMacro(StateEvery, vtkIdType, 0);
 
   /** As vtkBondBreakAlgorithm. */
-  vtkSwitchMacro(KeepStates);
+  vtkSwitchMacro(KeepStates, true);
   ///@{
   /**
    * As vtkBondBreakAlgorithm.
@@ -214,22 +214,6 @@ private:
 
   void Pack();
 
-  int Dimension = 2;
-  vtkIdType Count = 400;
-  double MeanDiameter = 1e-3;
-  double DiameterRatio = 2;
-  int Sizes = VOLUME;
-  double Aspect = 2;
-  bool Periodic = false;
-  double Friction = 0;
-  double Pressure = 1000;
-  double Softness = 1e-6;
-  double PackingFraction = 0;
-  vtkIdType Seed = 1;
-  int Threads = 1;
-  double Tolerance = 1e-4;
-  vtkIdType StateEvery = 0;
-  bool KeepStates = true;
   int StateRange[2] = { -1, 0 }; // VTK's macros want an array
   int Failure = 0;
 };

@@ -43,20 +43,20 @@ public:
    * @when Filled 0
    * @range [0, 2]
    */
-  vtkSettingMacro(Width, double);
+  vtkSettingMacro(Width, double, 0.5);
 
   /**
    * Grains whose centres are nearer than this times the sum of their radii get a bridge.
    * @group Matrix
    * @range [1, 2]
    */
-  vtkSettingMacro(Reach, double);
+  vtkSettingMacro(Reach, double, 1.1);
 
   /**
    * All of the space between the grains is matrix.
    * @group Matrix
    */
-  vtkSwitchMacro(Filled);
+  vtkSwitchMacro(Filled, false);
 
   /**
    * Share of the space between the grains that is to be matrix: the width is found for it. 0: Width is used.
@@ -64,14 +64,14 @@ public:
    * @range [0, 1]
    * @when Filled 0
    */
-  vtkSettingMacro(Saturation, double);
+  vtkSettingMacro(Saturation, double, 0);
 
   /**
    * Bridges to the walls below and above too, as to the grains' mirror images beyond them. Without, a platen only
    * touches grains.
    * @group Matrix
    */
-  vtkSwitchMacro(WallBridges);
+  vtkSwitchMacro(WallBridges, false);
 
   /**
    * Nodes of the lattice along x; the spacing is the box's first edge over them. Spheres: 100 are enough for a first
@@ -80,7 +80,7 @@ public:
    * @group Lattice
    * @range [2, inf)
    */
-  vtkSettingMacro(NodesAcross, vtkIdType);
+  vtkSettingMacro(NodesAcross, vtkIdType, 400);
   /**
    * Distance of the nodes in metres, instead: the nearest that divides the box. 0: by their number.
    * @group Lattice
@@ -88,7 +88,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(Spacing, double);
+  vtkSettingMacro(Spacing, double, 0);
 
   /**
    * Thickness in metres of a plate of grain material below and above. 0: none.
@@ -96,7 +96,7 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSettingMacro(Platen, double);
+  vtkSettingMacro(Platen, double, 0);
 
 protected:
   vtkMatrixBridges();
@@ -112,15 +112,6 @@ private:
   void operator=(const vtkMatrixBridges&) = delete;
 
   bool Cement(vtkPolyData* particles); ///< makes Image, unless it is up to date; says what is wrong
-
-  double Width = 0.5;
-  double Reach = 1.1;
-  bool Filled = false;
-  bool WallBridges = false;
-  double Saturation = 0;
-  vtkIdType NodesAcross = 400;
-  double Spacing = 0;
-  double Platen = 0;
 
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;

@@ -46,7 +46,7 @@ public:
    * @group Sample
    * @choice Kinds
    */
-  vtkSettingMacro(Kind, int);
+  vtkSettingMacro(Kind, int, SOFTWOOD);
 
   /**
    * Nodes along x, y and z. One along z: a two-dimensional sample.
@@ -55,7 +55,7 @@ public:
    * @rest 1
    * @range [1, inf)
    */
-  vtkSettingVector3Macro(Size, int);
+  vtkSettingVector3Macro(Size, int, 200, 200, 1);
 
   /**
    * Distance of neighbouring nodes in metres.
@@ -64,7 +64,7 @@ public:
    * @unit m
    * @range (0, inf)
    */
-  vtkSettingMacro(Spacing, double);
+  vtkSettingMacro(Spacing, double, 1e-6);
 
   /**
    * Share of the walls (softwood, hardwood, honeycomb) or of the inclusions (disks, spheres, laminate), between 0 and
@@ -73,7 +73,7 @@ public:
    * @when Kind SOFTWOOD HONEYCOMB INCLUSIONS LAMINATE HARDWOOD
    * @range (0, 1)
    */
-  vtkSettingMacro(SolidFraction, double);
+  vtkSettingMacro(SolidFraction, double, 0.4);
 
   /**
    * Another seed gives another sample of the same kind.
@@ -81,7 +81,7 @@ public:
    * @range [0, inf)
    * @when Kind SOFTWOOD HARDWOOD
    */
-  vtkSettingMacro(Seed, vtkIdType);
+  vtkSettingMacro(Seed, vtkIdType, 1);
 
   /**
    * Mean tracheid diameter across the radial files, along y, in metres.
@@ -91,7 +91,7 @@ public:
    * @range (0, inf)
    * @when Kind SOFTWOOD
    */
-  vtkSettingMacro(TangentialDiameter, double);
+  vtkSettingMacro(TangentialDiameter, double, 30e-6);
 
   /**
    * Mean tracheid diameter along the radial files, along x, in metres: in earlywood and in latewood.
@@ -102,7 +102,7 @@ public:
    * @range (0, inf)
    * @when Kind SOFTWOOD
    */
-  vtkSettingVector2Macro(RadialDiameter, double);
+  vtkSettingVector2Macro(RadialDiameter, double, 36e-6, 15e-6);
 
   /**
    * Place in the annual ring of the left and of the right edge: 0 earlywood, 1 latewood.
@@ -112,7 +112,7 @@ public:
    * @range [0, 1]
    * @when Kind SOFTWOOD HARDWOOD
    */
-  vtkSettingVector2Macro(RingPosition, double);
+  vtkSettingVector2Macro(RingPosition, double, 0, 0.0);
 
   /**
    * Mean distance between rays in metres. 0: no rays.
@@ -122,7 +122,7 @@ public:
    * @advanced
    * @when Kind SOFTWOOD
    */
-  vtkSettingMacro(RayDistance, double);
+  vtkSettingMacro(RayDistance, double, 240e-6);
 
   /**
    * Three dimensions: mean length of a tracheid along z in metres. Tracheids are closed at both ends.
@@ -132,7 +132,7 @@ public:
    * @range (0, inf)
    * @when Kind SOFTWOOD
    */
-  vtkSettingMacro(TracheidLength, double);
+  vtkSettingMacro(TracheidLength, double, 200e-6);
 
   /**
    * Relative standard deviation of the diameters of tracheids or fibres.
@@ -141,7 +141,7 @@ public:
    * @advanced
    * @when Kind SOFTWOOD HARDWOOD
    */
-  vtkSettingMacro(Scatter, double);
+  vtkSettingMacro(Scatter, double, 0.12);
 
   /**
    * Mean diameter of a fibre, between the middles of its walls, in metres.
@@ -151,7 +151,7 @@ public:
    * @range (0, inf)
    * @when Kind HARDWOOD
    */
-  vtkSettingMacro(FibreDiameter, double);
+  vtkSettingMacro(FibreDiameter, double, 16e-6);
 
   /**
    * Mean tangential diameter of the vessels in metres: at the start and at the end of the ring.
@@ -161,7 +161,7 @@ public:
    * @range (0, inf)
    * @when Kind HARDWOOD
    */
-  vtkSettingVector2Macro(VesselDiameter, double);
+  vtkSettingVector2Macro(VesselDiameter, double, 64e-6, 40e-6);
 
   /**
    * Share of the picture in vessels, out to the middle of their walls: at the start and at the end of the ring.
@@ -171,7 +171,7 @@ public:
    * @range [0, 0.5]
    * @when Kind HARDWOOD
    */
-  vtkSettingVector2Macro(VesselShare, double);
+  vtkSettingVector2Macro(VesselShare, double, 0.32, 0.15);
 
   /**
    * Place in the ring where late vessels begin. Ring-porous wood has about 0.25.
@@ -180,7 +180,7 @@ public:
    * @advanced
    * @when Kind HARDWOOD
    */
-  vtkSettingMacro(EarlyEnd, double);
+  vtkSettingMacro(EarlyEnd, double, 0.6);
 
   /**
    * Share of the groups of vessels that are radial files of two to four.
@@ -189,7 +189,7 @@ public:
    * @advanced
    * @when Kind HARDWOOD
    */
-  vtkSettingMacro(Multiples, double);
+  vtkSettingMacro(Multiples, double, 0.45);
 
   /**
    * Mean distance between rays in metres. 0: no rays.
@@ -200,7 +200,7 @@ public:
    * @advanced
    * @when Kind HARDWOOD
    */
-  vtkSettingMacro(HardwoodRayDistance, double);
+  vtkSettingMacro(HardwoodRayDistance, double, 95e-6);
 
   /**
    * Cells along x (honeycomb), along each axis (checkerboard, disks, spheres), or pairs of layers.
@@ -208,7 +208,7 @@ public:
    * @when Kind HONEYCOMB CHECKERBOARD INCLUSIONS LAMINATE
    * @range [1, inf)
    */
-  vtkSettingMacro(Cells, int);
+  vtkSettingMacro(Cells, int, 4);
 
   enum LayerAxes
   {
@@ -222,7 +222,7 @@ public:
    * @choice LayerAxes
    * @when Kind LAMINATE
    */
-  vtkSettingMacro(Axis, int);
+  vtkSettingMacro(Axis, int, X);
 
   enum Looks
   {
@@ -237,7 +237,7 @@ public:
    * @when Kind SOFTWOOD HARDWOOD
    * @choice Looks
    */
-  vtkSettingMacro(Look, int);
+  vtkSettingMacro(Look, int, LABELS);
 
   /**
    * Standard deviation of the optics' point spread. 0: none.
@@ -246,7 +246,7 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSettingMacro(Blur, double);
+  vtkSettingMacro(Blur, double, 0.5e-6);
 
   /**
    * Standard deviation of the noise in a bright place over full scale, half from the light, half from the camera.
@@ -254,7 +254,7 @@ public:
    * @when Look MAGENTA BLUE GREY
    * @range [0, 0.5]
    */
-  vtkSettingMacro(Noise, double);
+  vtkSettingMacro(Noise, double, 0.02);
 
   /**
    * How much darker the darkest corner is than the brightest place.
@@ -262,7 +262,7 @@ public:
    * @when Look MAGENTA BLUE GREY
    * @range [0, 0.95]
    */
-  vtkSettingMacro(UnevenLight, double);
+  vtkSettingMacro(UnevenLight, double, 0.2);
 
   /**
    * Specks of dirt a square millimetre, 3 to 12 µm wide.
@@ -271,7 +271,7 @@ public:
    * @when Look MAGENTA BLUE GREY
    * @range [0, 10000]
    */
-  vtkSettingMacro(Dirt, double);
+  vtkSettingMacro(Dirt, double, 4);
 
   /**
    * Torn places a square millimetre: short cracks in the picture. The phases stay whole.
@@ -280,7 +280,7 @@ public:
    * @when Look MAGENTA BLUE GREY
    * @range [0, 10000]
    */
-  vtkSettingMacro(Tears, double);
+  vtkSettingMacro(Tears, double, 0);
 
   /**
    * Depth of a dark fringe 0.6 µm wide on both sides of the lumens' edges, as of walls out of focus: a share of the
@@ -289,7 +289,7 @@ public:
    * @when Look MAGENTA BLUE GREY
    * @range [0, 3]
    */
-  vtkSettingMacro(Rim, double);
+  vtkSettingMacro(Rim, double, 0);
 
   /**
    * Length of a bar in the lower right corner, with its length as text. 0: none.
@@ -298,7 +298,7 @@ public:
    * @unit m
    * @range [0, inf)
    */
-  vtkSettingMacro(ScaleBar, double);
+  vtkSettingMacro(ScaleBar, double, 0);
 
 protected:
   vtkMicrostructureSource();
@@ -314,34 +314,6 @@ private:
   lamella::PhaseImage Tissue(int n);
   lamella::PhaseImage Sample();
   void Generate();
-
-  int Kind = SOFTWOOD;
-  int Size[3] = { 200, 200, 1 };
-  double Spacing = 1e-6;
-  double SolidFraction = 0.4;
-  vtkIdType Seed = 1;
-  double TangentialDiameter = 30e-6;
-  double RadialDiameter[2] = { 36e-6, 15e-6 };
-  double RingPosition[2] = { 0, 0.0 };
-  double RayDistance = 240e-6;
-  double TracheidLength = 200e-6;
-  double Scatter = 0.12;
-  double FibreDiameter = 16e-6;
-  double VesselDiameter[2] = { 64e-6, 40e-6 };
-  double VesselShare[2] = { 0.32, 0.15 };
-  double EarlyEnd = 0.6;
-  double Multiples = 0.45;
-  double HardwoodRayDistance = 95e-6;
-  int Cells = 4;
-  int Axis = X;
-  int Look = LABELS;
-  double Blur = 0.5e-6;
-  double Noise = 0.02;
-  double UnevenLight = 0.2;
-  double Dirt = 4;
-  double Tears = 0;
-  double Rim = 0;
-  double ScaleBar = 0;
 
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;

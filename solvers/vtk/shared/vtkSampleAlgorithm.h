@@ -15,13 +15,13 @@
 
 #include "vtkDataObjectAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
+#include "vtkMultiProcessController.h"  // for the smart pointer
 #include "vtkSetting.h"
+#include "vtkSmartPointer.h"
 
 #include <functional> // for std::function
 #include <string>     // for members
 #include <vector>     // for members
-
-class vtkMultiProcessController;
 
 class VTKLAMELLASOLVERSVTK_EXPORT vtkSampleAlgorithm : public vtkDataObjectAlgorithm
 {
@@ -48,7 +48,7 @@ public:
    * @range [0, inf)
    * @advanced
    */
-  vtkSettingMacro(Threads, int);
+  vtkSettingMacro(Threads, int, 1);
 
   enum Axes
   {
@@ -109,14 +109,13 @@ protected:
   const std::vector<std::string>& GivenVoids() const { return this->Voids; }
   int ThreadCount() const;
 
-  vtkMultiProcessController* Controller = nullptr; ///< null: each rank works by itself
+  vtkSmartPointer<vtkMultiProcessController> Controller; ///< null: each rank works by itself
 
 private:
   vtkSampleAlgorithm(const vtkSampleAlgorithm&) = delete;
   void operator=(const vtkSampleAlgorithm&) = delete;
 
   std::vector<std::string> Voids;
-  int Threads = 1;
   int Failure = NO_FAILURE;
 };
 

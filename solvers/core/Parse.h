@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace lamella
+{
+
+/// What stands between the separators; empty parts are parts.
+[[nodiscard]] std::vector<std::string> split(std::string_view text, char separator);
+
+/// A number, all of the text; "nan" and "inf" are numbers here, whether they make sense is the caller's to say.
+[[nodiscard]] std::optional<double> toNumber(std::string_view text);
+[[nodiscard]] std::optional<std::int64_t> toInteger(std::string_view text);
+
+} // namespace lamella
