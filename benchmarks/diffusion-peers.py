@@ -13,14 +13,12 @@ the same picture, within 1e-4, ends the script: one of the two is wrong then. `.
 """
 
 import csv
-import os
 import sys
-import time
 
-for library in ("OMP", "OPENBLAS", "MKL"):
-    os.environ[f"{library}_NUM_THREADS"] = "1"
-import numpy as np  # noqa: E402
-from drawing import places, rows_of  # noqa: E402
+from timing import timed  # first: from here on one thread
+
+import numpy as np
+from drawing import places, rows_of
 
 SCENES = {  # dimension, share of the inclusion, conductivity of matrix and inclusion
     "heat": (2, None, (1, 0.023)),
@@ -117,16 +115,6 @@ def with_petsc():
         return u.getArray().copy()
 
     return petsc4py.__version__, {"petsc AMG": (iterations, 1)}
-
-
-def timed(solve, k):
-    """Field and median of the time: three runs and a tenth of a second at least, but one of a second."""
-    seconds = []
-    while not seconds or (sum(seconds) < 1 and (len(seconds) < 3 or sum(seconds) < 0.1)):
-        begun = time.process_time()
-        u = solve(k)
-        seconds.append(time.process_time() - begun)
-    return u, sorted(seconds)[len(seconds) // 2]
 
 
 def measure(scene, table, methods, limit, fraction):
