@@ -120,7 +120,8 @@ void findPhases(vtkImageData* piece, FluxInput& input)
     }
   }
   // Conductivities along and across walls: the links need more than the phases, the nodes' fluxes have to do.
-  const bool directed = !fieldNumbers(piece, "phase_conductivity_across").empty();
+  const bool directed = !fieldNumbers(piece, "phase_conductivity_across").empty() ||
+    fieldText(piece, "lattice").value_or("") == lbm::name(lbm::Stencil::Q1);
   if (array != nullptr && array->GetNumberOfComponents() == 1 && !input.conductivity.empty() && !directed)
     input.phaseArray = name;
 }

@@ -178,7 +178,8 @@ PhaseImage crop(const PhaseImage& image, const Window& window)
   const std::array<std::int64_t, 3> start = firstNode(from, window);
   const std::array<std::int64_t, 3> size{ window.size[0], window.size[1], from.dimension == 2 ? 1 : window.size[2] };
 
-  PhaseImage result{ makeLattice(size[0], size[1], size[2], from.dimension, from.spacing, from.aspect), {}, image.phases };
+  PhaseImage result{ makeLattice(size[0], size[1], size[2], from.dimension, from.spacing, from.aspect), {},
+    image.phases };
   result.phase.resize(static_cast<std::size_t>(result.lattice.count()));
   std::uint8_t* to = result.phase.data();
   for (std::int64_t z = 0; z < size[2]; ++z)
@@ -203,8 +204,8 @@ PhaseImage refine(const PhaseImage& image, int n)
       "refine less, or cut out a smaller window");
   }
 
-  PhaseImage result{ makeLattice(
-                       from.size[0] * n, from.size[1] * n, from.size[2] * nz, from.dimension, from.spacing / n, from.aspect),
+  PhaseImage result{ makeLattice(from.size[0] * n, from.size[1] * n, from.size[2] * nz, from.dimension,
+                       from.spacing / n, from.aspect),
     {}, image.phases };
   result.phase.resize(static_cast<std::size_t>(result.lattice.count()));
   const std::int64_t row = result.lattice.size[0];

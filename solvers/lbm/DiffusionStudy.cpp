@@ -152,8 +152,15 @@ private:
       steady.method = Method::Auto; // what suits the picture need not suit a part of it
     if (options_.directed)
     {
-      steady.stencil = Stencil::D2Q9;
-      steady.links = std::make_shared<LinkTable>(linksOf(refined, part, refinement));
+      auto directed = std::make_shared<DirectedDiffusivity>(directedOf(refined, part, refinement));
+      if (steady.stencil == Stencil::Q1)
+        steady.directed = std::move(directed);
+      else
+      {
+        steady.stencil = Stencil::D2Q9;
+        steady.links =
+          std::make_shared<LinkTable>(directedLinks(refined.lattice, refined.phase, *directed, steady.sides));
+      }
     }
     const bool whole = block.count() == refined.lattice.count();
     SteadyDiffusion solver = whole
@@ -194,17 +201,20 @@ private:
     }
   }
 
-  // Links of a part of the picture, split.
-  [[nodiscard]] LinkTable linksOf(const PhaseImage& refined, const Part& of, int refinement) const
+  // Of a part of the picture, split.
+  [[nodiscard]] DirectedDiffusivity directedOf(const PhaseImage& refined, const Part& of, int refinement) const
   {
     const DirectedDiffusivity& whole = *options_.directed;
     DirectedDiffusivity part{ whole.along, whole.across, {} };
     part.axis.reserve(refined.phase.size());
     const auto node = [&](std::size_t axis, std::int64_t i) { return of.first[axis] + of.stride * (i / refinement); };
-    for (std::int64_t y = 0; y < refined.lattice.size[1]; ++y)
-      for (std::int64_t x = 0; x < refined.lattice.size[0]; ++x)
-        part.axis.push_back(whole.axis[static_cast<std::size_t>(image_.lattice.index(node(0, x), node(1, y)))]);
-    return directedLinks(refined.lattice, refined.phase, part, options_.steady.sides);
+    const auto& size = refined.lattice.size;
+    for (std::int64_t z = 0; z < size[2]; ++z)
+      for (std::int64_t y = 0; y < size[1]; ++y)
+        for (std::int64_t x = 0; x < size[0]; ++x)
+          part.axis.push_back(whole.axis[static_cast<std::size_t>(
+            image_.lattice.index(node(0, x), node(1, y), size[2] > 1 ? node(2, z) : 0))]);
+    return part;
   }
 
   /// The whole picture along all axes: the answers' results.
@@ -442,9 +452,11 @@ private:
     const std::int64_t zeros =
       std::ranges::count_if(image_.phase, [&](std::uint8_t id) { return !(diffusivity_[id] > 0); });
     const double share = 1 - static_cast<double>(zeros) / static_cast<double>(image_.lattice.count());
-    plan.bytes = estimateBytes(lattice, options_.directed ? Stencil::D2Q9 : options_.steady.stencil,
-                   leanest(lattice, options_.steady.stencil, zeros == 0, Communicator(comm_).size()),
-                   static_cast<std::int64_t>(share * static_cast<double>(plan.nodes))) +
+    plan.bytes =
+      estimateBytes(lattice,
+        options_.directed && options_.steady.stencil != Stencil::Q1 ? Stencil::D2Q9 : options_.steady.stencil,
+        leanest(lattice, options_.steady.stencil, zeros == 0, Communicator(comm_).size()),
+        static_cast<std::int64_t>(share * static_cast<double>(plan.nodes))) +
       static_cast<std::uint64_t>(plan.nodes);
     plan.allowed = allowed;
     double seconds = 0;

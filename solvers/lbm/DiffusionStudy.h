@@ -75,8 +75,9 @@ struct StudyOptions
   /// of it: pixels are a local matter, and the window's relative changes stand for those of the whole. What chance does
   /// is larger on a window, so the error is, too.
   std::int64_t estimateNodes = std::int64_t{ 1 } << 22;
-  /// Of the picture's phases and nodes: conductivities along and across an axis (directedLinks()), on D2Q9. A refined
-  /// pixel's nodes have its axis. The study's diffusivities are then directed->larger().
+  /// Of the picture's phases and nodes: conductivities along and across an axis, on Q1 where steady.stencil says so,
+  /// else on D2Q9 (directedLinks()). A refined pixel's nodes have its axis. The study's diffusivities are then
+  /// directed->larger().
   std::shared_ptr<const DirectedDiffusivity> directed;
 };
 

@@ -38,8 +38,8 @@ struct Shares
 void requireFit(const Lattice& lattice, std::span<const std::uint8_t> phase, const DirectedDiffusivity& d)
 {
   if (lattice.dimension != 2)
-    throw ParameterError("conductivities along and across an axis were given for a volume",
-      "they go with pictures; give each phase of a volume one value");
+    throw ParameterError(
+      "conductivities along and across an axis on the links of a volume", "take elements, q1, which carry them");
   const auto nodes = static_cast<std::size_t>(lattice.count());
   if (phase.size() != nodes || d.axis.size() != nodes)
     throw ParameterError(
@@ -113,7 +113,8 @@ private:
                   "to the lattice (node {}, {})",
         along, across, std::max(along, across) / std::min(along, across), angle * 180 / std::numbers::pi, node % nx_,
         node / nx_),
-      fmt::format("keep to a ratio of {:.3g}, which they carry in every direction", mostDirected - 0.005));
+      fmt::format(
+        "keep to a ratio of {:.3g}, which they carry in every direction, or take elements, q1", mostDirected - 0.005));
   }
 
   std::int64_t nx_;
@@ -142,6 +143,14 @@ std::vector<double> DirectedDiffusivity::smaller() const
   for (std::size_t id = 0; id < values.size(); ++id)
     values[id] = std::min(along[id], across[id]);
   return values;
+}
+
+bool linksCarry(std::span<const double> along, std::span<const double> across) noexcept
+{
+  for (std::size_t id = 0; id < along.size(); ++id)
+    if (std::max(along[id], across[id]) > mostDirected * std::min(along[id], across[id]))
+      return false;
+  return true;
 }
 
 LinkTable directedLinks(

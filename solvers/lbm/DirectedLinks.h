@@ -28,6 +28,9 @@ struct DirectedDiffusivity
 /// Largest ratio of the two diffusivities that the links carry in every direction of the axis: 3 + 2√2.
 inline constexpr double mostDirected = 5.82842712474619;
 
+/// Do the links carry these, whatever the directions?
+[[nodiscard]] bool linksCarry(std::span<const double> along, std::span<const double> across) noexcept;
+
 /// Links of steady diffusion with the tensor D = D_along a aᵀ + D_across (1 − a aᵀ) in every node.
 ///
 /// The tensor is a sum over links, D_xx = s_x + r + f, D_yy = s_y + r + f, D_xy = r − f, with the least diagonals:

@@ -162,7 +162,8 @@ struct SteadyDiffusion::Impl
       case Method::LeanMultigrid:
         if (!lean)
           refuse(Method::LeanMultigrid,
-            ": it needs straight links, 8 rows a rank, spacings within a ratio of 2, and an even number of nodes where sides are periodic");
+            ": it needs straight links, 8 rows a rank, spacings within a ratio of 2, and an even number of nodes where "
+            "sides are periodic");
         return { options.method };
       case Method::PieceMultigrid:
         if (!piecesFit(problem(axis)))
@@ -299,7 +300,9 @@ SteadyDiffusion::SteadyDiffusion(const Lattice& lattice, const Block& block, std
       fmt::format("spacings that differ between axes ({}, {}, {}) go with straight links, not with {}",
         lattice.spacingAlong(0), lattice.spacingAlong(1), lattice.spacingAlong(2),
         options.links ? "links one by one" : name(options.stencil)),
-      options.links ? "resample the picture to square pixels" : lattice.dimension == 2 ? "use d2q5" : "use d3q7");
+      options.links              ? "resample the picture to square pixels"
+        : lattice.dimension == 2 ? "use d2q5"
+                                 : "use d3q7");
   if (!(options.tolerance > 0) || options.tolerance >= 1)
     throw ParameterError(fmt::format("tolerance {} is not between 0 and 1", options.tolerance),
       "ask for the relative error of the face fluxes, for instance 1e-8");

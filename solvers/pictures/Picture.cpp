@@ -74,7 +74,8 @@ void setLattice(Picture& picture, const std::string& name, std::int64_t nx, std:
   if (options.sliceDistance && dimension == 3)
   {
     if (picture.pixelSizeSource == "none")
-      throw ParameterError(fmt::format("a distance of slices of {} and no pixel size", micrometres(*options.sliceDistance)),
+      throw ParameterError(
+        fmt::format("a distance of slices of {} and no pixel size", micrometres(*options.sliceDistance)),
         "give the pixel size, too: it says how far apart nodes are within a slice");
     aspect[2] = *options.sliceDistance / spacing;
   }

@@ -20,7 +20,7 @@ struct Picture
   Lattice lattice;                        ///< spacing from the option or the metadata, 1 where neither says
   std::array<std::int64_t, 3> fileSize{}; ///< nodes in the file, before the window
   std::vector<std::uint16_t> grey;        ///< one value a node; 8-bit values stay 0 … 255
-  std::optional<EvenGreys> levels;  ///< of which `grey` holds the numbers
+  std::optional<EvenGreys> levels;        ///< of which `grey` holds the numbers
   std::vector<std::uint16_t> colour; ///< red, green, blue of every node; empty unless asked for and there is colour
   int bits = 8;                      ///< 8 or 16
   std::string format;                ///< "PNG", "JPEG", "TIFF", "PGM", "PPM", "BMP", or as name(RawHeader) has it
@@ -34,8 +34,8 @@ struct Picture
 /// `pixelSizeSource` is "none"; effective conductivities do not depend on it, pictures then show pixels, not µm.
 struct ReadOptions
 {
-  std::optional<double> pixelSize;                    ///< [m]; wins over metadata
-  std::optional<double> sliceDistance;                ///< [m], of volumes whose voxels are not cubes; wins over metadata
+  std::optional<double> pixelSize;     ///< [m]; wins over metadata
+  std::optional<double> sliceDistance; ///< [m], of volumes whose voxels are not cubes; wins over metadata
   /// Greys are no phases, but lie between these two: numbers that are no greys of 16 bits are read, too, and become
   /// levels.
   std::optional<EvenGreys> levels;

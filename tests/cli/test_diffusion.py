@@ -311,7 +311,7 @@ class Walls(Case):
         self.fails(3, "no point array 'axis'", "lamella micrograph", "diffusion", "plain.vti", "--conductivity", "lumen=1",
                    "--conductivity", "wall=1:0.5")
         self.works("generate", "softwood", "--size", "20,20,20", "-o", "v.vti")
-        self.fails(2, "along and across walls in a volume", "each phase of a volume one", "diffusion", "v.vti", "--conductivity", "lumen=1",
+        self.fails(3, "no point array 'axis'", "lamella micrograph", "diffusion", "v.vti", "--conductivity", "lumen=1",
                    "--conductivity", "wall=1:0.5")
 
 

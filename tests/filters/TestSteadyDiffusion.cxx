@@ -106,7 +106,8 @@ vtkSmartPointer<vtkImageData> greyBall(double none, double all)
   grey->SetName("grey");
   for (int i = 0; i < n * n * n; ++i)
   {
-    const double distance = std::hypot(i % n - 11.2, i / n % n - 11.7, i / n / n - 11.4); // NOLINT(bugprone-integer-division)
+    const double distance =
+      std::hypot(i % n - 11.2, i / n % n - 11.7, i / n / n - 11.4); // NOLINT(bugprone-integer-division)
     grey->InsertNextValue(static_cast<typename Array::ValueType>(
       std::round((none + (all - none) * std::clamp(9.3 - distance, 0.0, 1.0)) * 1000) / 1000));
   }
@@ -403,7 +404,37 @@ TEST(SteadyDiffusion, ConductivitiesAcrossThatCannotBe)
   }
   const auto volume = solver(picture(4, 4, 4, layersAcrossX), vtkSteadyDiffusion::X);
   volume->SetConductivityAcross("a", 0.5);
-  EXPECT_NE(errorOf(volume).find("in a volume"), std::string::npos);
+  EXPECT_NE(errorOf(volume).find("no point array 'axis'"), std::string::npos);
+  volume->SetLattice(vtkSteadyDiffusion::D3Q7);
+  EXPECT_NE(errorOf(volume).find("q1"), std::string::npos);
+}
+
+/// One material with a direction of its own in space: its tensor, of any ratio, with every kind of sides.
+TEST(SteadyDiffusion, VolumesConductAlongAndAcross)
+{
+  const vtkSmartPointer<vtkImageData> image = picture(6, 7, 8, [](int, int, int) { return 1; });
+  vtkNew<vtkFloatArray> axis;
+  axis->SetName("axis");
+  axis->SetNumberOfComponents(3);
+  for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
+    axis->InsertNextTuple3(2, -1, 2);
+  image->GetPointData()->AddArray(axis);
+  const auto filter = solver(image, vtkSteadyDiffusion::ALL);
+  filter->SetConductivityAcross("b", 0.5);
+  filter->SetSides(vtkSteadyDiffusion::PERIODIC);
+  ASSERT_EQ(errorOf(filter), "");
+  const double a[3] = { 2.0 / 3, -1.0 / 3, 2.0 / 3 };
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      EXPECT_NEAR(filter->GetEffectiveConductivity()[3 * i + j], (i == j ? 0.5 : 0.0) + 9.5 * a[i] * a[j], 1e-6);
+  EXPECT_EQ(lamella::fieldText(filter->GetOutput(), "lattice").value_or(""), "q1");
+  for (const int sides : { vtkSteadyDiffusion::INSULATED, vtkSteadyDiffusion::MIXED })
+  {
+    filter->SetSides(sides);
+    ASSERT_EQ(errorOf(filter), "");
+    EXPECT_GT(filter->GetEffectiveConductivity()[0], 0.5);
+    EXPECT_LT(filter->GetEffectiveConductivity()[0], 0.5 + 9.5 * a[0] * a[0]);
+  }
 }
 
 TEST(SteadyDiffusion, InputThatCannotBeUsedIsRefusedInWords)

@@ -10,8 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 #include <limits>
+#include <numbers>
 
 namespace
 {
@@ -113,12 +113,14 @@ TEST(Spacing, ValuesAndFluxesAreThoseOfAreasAndLengths)
           lbm::SteadyDiffusion solver(image.lattice, block, image.phase, d, optionsOf(image, s));
           const auto r = solver.solve(axis);
           for (std::size_t a = 0; a < 3; ++a)
-            EXPECT_NEAR(r.effective[a], known.column[a], static_cast<int>(a) == axis ? 1e-9 : 1e-7) << axis << " " << a << " " << static_cast<int>(sides);
+            EXPECT_NEAR(r.effective[a], known.column[a], static_cast<int>(a) == axis ? 1e-9 : 1e-7)
+              << axis << " " << a << " " << static_cast<int>(sides);
           EXPECT_LT(r.balance, 1e-9);
           std::vector<double> flux(3 * image.phase.size());
           solver.flux(flux);
           for (std::size_t i = 0; i < flux.size(); ++i) // fields are asked for to 1e-6 of the energy
-            EXPECT_NEAR(flux[i] * image.lattice.length(axis), known.flux[i / 3][i % 3] * image.lattice.length(axis), 1e-5);
+            EXPECT_NEAR(
+              flux[i] * image.lattice.length(axis), known.flux[i / 3][i % 3] * image.lattice.length(axis), 1e-5);
           if (sides == lbm::Sides::Periodic)
             continue;
           std::vector<double> value(image.phase.size());
@@ -132,8 +134,8 @@ TEST(Spacing, ValuesAndFluxesAreThoseOfAreasAndLengths)
 TEST(Spacing, LeanOnesHaveTheFullSolversValue)
 {
   for (const auto method : { lbm::Method::LeanMultigrid, lbm::Method::PieceMultigrid })
-    for (const std::array<double, 3> edges : { std::array<double, 3>{ 1, 1, 2 }, { 1, 1, 0.5 }, { 3, 1, 1 }, { 1, 4, 2 },
-           { 1, 1, 8 } })
+    for (const std::array<double, 3> edges :
+      { std::array<double, 3>{ 1, 1, 2 }, { 1, 1, 0.5 }, { 3, 1, 1 }, { 1, 4, 2 }, { 1, 1, 8 } })
     {
       if (method == lbm::Method::LeanMultigrid && std::ranges::max(edges) > 2)
         continue;
@@ -148,7 +150,8 @@ TEST(Spacing, LeanOnesHaveTheFullSolversValue)
           lbm::SteadyOptions o = optionsOf(image, s);
           o.fieldTolerance = std::numeric_limits<double>::infinity();
           const Block block = decompose(image.lattice, MPI_COMM_SELF);
-          const auto r = lbm::SteadyDiffusion(image.lattice, block, image.phase, std::vector{ 0.3, 1.0 }, o).solve(axis);
+          const auto r =
+            lbm::SteadyDiffusion(image.lattice, block, image.phase, std::vector{ 0.3, 1.0 }, o).solve(axis);
           EXPECT_EQ(r.method, method);
           EXPECT_LE(std::abs(r.effective[static_cast<std::size_t>(axis)] / value - 1), r.solverError);
           EXPECT_LE(r.solverError, 1e-6);

@@ -58,8 +58,7 @@ void giveConductivities(const DiffusionOptions& options, bool shares, const Samp
   if (shares)
     return; // of greys: the filter knows the two names
   requireNames("--conductivity", given, sample.image.phases.names());
-  if (std::ranges::any_of(given, [](const GivenConductivity& one) { return one.along != one.across; }) &&
-    sample.image.lattice.dimension == 2) // of a volume the filter says that they do not go
+  if (std::ranges::any_of(given, [](const GivenConductivity& one) { return one.along != one.across; }))
     requireAxes(options.picture, image);
 }
 
@@ -124,8 +123,8 @@ private:
       {
         const double* const greys = filter_->GetShares();
         const bool shares = greys[0] != 0 || greys[1] != 0;
-        sample_ = loadSample(
-          options_.picture, check, shares ? std::optional(EvenGreys{ greys[0], greys[1] }) : std::nullopt);
+        sample_ =
+          loadSample(options_.picture, check, shares ? std::optional(EvenGreys{ greys[0], greys[1] }) : std::nullopt);
         Session::checkInterrupt();
         tellDoubts(session_, sample_);
         const Lattice& lattice = sample_.image.lattice;

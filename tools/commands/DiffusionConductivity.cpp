@@ -86,7 +86,9 @@ void requireNames(
 
 void requireAxes(const PictureOptions& options, vtkImageData* image)
 {
-  const std::string hint = "make the lattice with lamella micrograph -o FILE.vti, or give each phase one value";
+  const std::string hint =
+    "make the lattice with lamella micrograph -o FILE.vti, or give an image a point array 'axis' of "
+    "vectors; or give each phase one value";
   if (!isVtkImage(options.file))
   {
     throw InputError("conductivities along and across the walls, and '" + options.file +

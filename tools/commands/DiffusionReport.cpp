@@ -250,8 +250,8 @@ std::string toTable(const DiffusionReport& report)
   const int refinement = report.found.answers.front().refinement;
   std::string text = fmt::format(
     "{}: {} {}", report.file, sizeText(lattice.size, lattice.dimension), lattice.dimension == 3 ? "voxels" : "pixels");
-  text += report.sample->pixelSizeSource == "none" ? ", pixel size unknown"
-                                                   : fmt::format(" of {} µm", voxelText(lattice));
+  text +=
+    report.sample->pixelSizeSource == "none" ? ", pixel size unknown" : fmt::format(" of {} µm", voxelText(lattice));
   text += refinement > 1
     ? fmt::format(", each split into {}\n\n",
         lattice.dimension == 3 ? fmt::format("{0} × {0} × {0}", refinement) : fmt::format("{0} × {0}", refinement))

@@ -179,8 +179,8 @@ void checkSize(
   if (window)
   {
     (void)firstNode(whole, *window);
-    kept = makeLattice(
-      window->size[0], window->size[1], whole.dimension == 2 ? 1 : window->size[2], whole.dimension, whole.spacing, whole.aspect);
+    kept = makeLattice(window->size[0], window->size[1], whole.dimension == 2 ? 1 : window->size[2], whole.dimension,
+      whole.spacing, whole.aspect);
   }
   if (check)
     check(kept);
@@ -199,8 +199,7 @@ void checkSize(
 
 } // namespace
 
-Sample loadSample(
-  const PictureOptions& options, const SampleCheck& check, const std::optional<EvenGreys>& greys)
+Sample loadSample(const PictureOptions& options, const SampleCheck& check, const std::optional<EvenGreys>& greys)
 {
   lamella::PictureOptions how = readerOptions(options);
   how.read.sizeKnown = [&](const Lattice& whole) { checkSize(options, whole, how.window, check); };

@@ -8,15 +8,15 @@ namespace lamella::lbm
 {
 
 /// A row of elements along x and the four rows of nodes that it lies between: y and z low, y high, z high, both high.
-/// Values are trilinear, u = Σ m_abc x^a y^b z^c over the unit cube around an element's centre; a gradient's polynomials
-/// are orthogonal there, so an element is applied in its seven coefficients.
+/// Values are trilinear, u = Σ m_abc x^a y^b z^c over the unit cube around an element's centre; a gradient's
+/// polynomials are orthogonal there, so an element is applied in its seven coefficients.
 template <class Real>
 struct ElementRow
 {
-  std::int64_t count;      ///< elements
-  const Real* u[4];        ///< count + 1 nodes each
-  const float* tensor[6];  ///< xx, yy, zz, xy, xz, yz of each element, over its edges: volume K_ab / (h_a h_b)
-  double gradient[3];      ///< mean drop over an element, of the profile that u is the rest of; what rises is positive
+  std::int64_t count;     ///< elements
+  const Real* u[4];       ///< count + 1 nodes each
+  const float* tensor[6]; ///< xx, yy, zz, xy, xz, yz of each element, over its edges: volume K_ab / (h_a h_b)
+  double gradient[3];     ///< mean drop over an element, of the profile that u is the rest of; what rises is positive
 };
 
 struct ElementKernels

@@ -9,11 +9,11 @@ namespace lamella::lbm
 namespace
 {
 
-constexpr int smoothing = 3;           // degree of the polynomial before and after
-constexpr double smoothedPart = 4;     // eigenvalues down to the largest over this are the smoother's
-constexpr double spare = 1.1;          // on the largest eigenvalue, which is found from below
-constexpr int eigenvalueSteps = 12;    // of the power method
-constexpr double weakAxis = 0.2;       // axes that couple less than this part of the strongest are left as they are
+constexpr int smoothing = 3;        // degree of the polynomial before and after
+constexpr double smoothedPart = 4;  // eigenvalues down to the largest over this are the smoother's
+constexpr double spare = 1.1;       // on the largest eigenvalue, which is found from below
+constexpr int eigenvalueSteps = 12; // of the power method
+constexpr double weakAxis = 0.2;    // axes that couple less than this part of the strongest are left as they are
 constexpr std::int64_t directNodes = 1500;
 constexpr std::int64_t threadedNodes = 30000;
 
@@ -66,8 +66,8 @@ ElementRow<Real> rowOf(const ElementBox& box, const Real* u, std::int64_t y, std
 // What a node of a finer box takes of the coarse ones beside it along one axis.
 struct Stencil1
 {
-  std::int64_t low = 0;  ///< coarse node
-  float weight = 1;      ///< of that one; the rest is of the next
+  std::int64_t low = 0; ///< coarse node
+  float weight = 1;     ///< of that one; the rest is of the next
 };
 
 Stencil1 along(const std::vector<float>& width, bool halved, std::int64_t node)
@@ -141,8 +141,7 @@ void ElementOperator::forRows(F&& f) const
 }
 
 template <class Real>
-void ElementOperator::apply(
-  std::span<const Real> u, std::span<Real> out, const std::array<double, 3>& gradient) const
+void ElementOperator::apply(std::span<const Real> u, std::span<Real> out, const std::array<double, 3>& gradient) const
 {
   std::ranges::fill(out, Real{ 0 });
   forRows<Real>(
@@ -328,7 +327,8 @@ bool ElementMultigrid::coarsen()
   std::array<std::vector<float>, 6> tensor;
   for (auto& values : tensor)
     values.assign(static_cast<std::size_t>(to.count()), 0.0F);
-  constexpr std::array<std::array<std::size_t, 2>, 6> axes{ { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } } };
+  constexpr std::array<std::array<std::size_t, 2>, 6> axes{ { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 },
+    { 1, 2 } } };
   Tensors rows(e[0]);
   for (std::int64_t z = 0; z < e[2]; ++z)
     for (std::int64_t y = 0; y < e[1]; ++y)
@@ -378,7 +378,7 @@ void ElementMultigrid::factorize()
         unknown_[static_cast<std::size_t>(box.row(y, z) + x)] =
           unknown_[static_cast<std::size_t>(box.row(wrap(y, 1), wrap(z, 2)) + wrap(x, 0))];
 
-  constexpr double tiny = 1e-6; // added to the diagonal: a constant may be free
+  constexpr double tiny = 1e-4; // added to the diagonal, relative: a constant may be free
   std::vector<Eigen::Triplet<double>> entries;
   Tensors tensors(box.elements[0]);
   for (std::int64_t z = 0; z < box.elements[2]; ++z)
@@ -408,8 +408,10 @@ void ElementMultigrid::factorize()
           for (std::size_t c = 0; c < 6; ++c)
             row.tensor[c] = &own[c];
           elementKernels().applyDouble(row, out, buffer.data());
-          const auto node = [&](int corner)
-          { return unknown_[static_cast<std::size_t>(box.row(y + (corner >> 1 & 1), z + (corner >> 2)) + x + (corner & 1))]; };
+          const auto node = [&](int corner) {
+            return unknown_[static_cast<std::size_t>(
+              box.row(y + (corner >> 1 & 1), z + (corner >> 2)) + x + (corner & 1))];
+          };
           for (int k = 0; k < 8; ++k)
             if (node(p) >= 0 && node(k) >= 0)
               entries.emplace_back(static_cast<int>(node(p)), static_cast<int>(node(k)),

@@ -87,12 +87,12 @@ private:
   struct Level
   {
     ElementOperator op;
-    std::array<std::vector<float>, 3> width;  ///< of the elements along each axis
+    std::array<std::vector<float>, 3> width;           ///< of the elements along each axis
     std::array<bool, 3> halved{ false, false, false }; ///< on the way to the next level
-    std::vector<float> inverse;               ///< 1 / diagonal; 0 at held nodes, and where nothing conducts
-    std::vector<float> b, x;                  ///< of the next level's problem; none on the finest level
-    std::vector<float> d, t;                  ///< direction, and its product
-    float largest = 0;                        ///< eigenvalue of inverse × A
+    std::vector<float> inverse;                        ///< 1 / diagonal; 0 at held nodes, and where nothing conducts
+    std::vector<float> b, x;                           ///< of the next level's problem; none on the finest level
+    std::vector<float> d, t;                           ///< direction, and its product
+    float largest = 0;                                 ///< eigenvalue of inverse × A
     std::size_t tensorBytes = 0;
 
     explicit Level(const ElementOperator& o)

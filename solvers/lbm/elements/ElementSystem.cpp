@@ -21,8 +21,8 @@ namespace
 {
 
 constexpr double leastTarget = 1e-14; // of the value's relative error
-constexpr double safety = 2;          // on what the falls of the energy tell of what is left
-constexpr double leastRate = 0.2;     // of these falls: one of them may be large by chance
+constexpr double safety = 3;          // on what the falls of the energy tell of what is left
+constexpr double leastRate = 0.3;     // of these falls: one of them may be large by chance
 constexpr int restarts = 5;           // from a new residual, where directions in single precision have drifted
 
 ElementBox boxOf(const Problem& problem)
@@ -93,16 +93,12 @@ public:
         tensor[c][x] += factor_[c] * more * a[axes[c][0]] * a[axes[c][1]];
     }
   }
-  [[nodiscard]] bool conducts(std::size_t node) const
-  {
-    return along_[phase_[node]] > 0 || across_[phase_[node]] > 0;
-  }
+  [[nodiscard]] bool conducts(std::size_t node) const { return along_[phase_[node]] > 0 || across_[phase_[node]] > 0; }
   [[nodiscard]] std::size_t bytes() const noexcept { return axis_.size() * sizeof(axis_[0]); }
 
 private:
-  static constexpr std::array<std::array<std::size_t, 2>, 6> axes{
-    { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 }, { 1, 2 } }
-  };
+  static constexpr std::array<std::array<std::size_t, 2>, 6> axes{ { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 },
+    { 1, 2 } } };
 
   std::int64_t nx_;
   std::int64_t ny_;
@@ -153,7 +149,8 @@ public:
     std::vector<float> z(n);
     std::vector<float> p(n);
     std::vector<float> q(n);
-    const double units = std::pow(static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]), 2);
+    const double units =
+      std::pow(static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]), 2);
     double energy = units * sums().energy; // drops of 1 over a voxel
     for (int start = 0;; ++start)
     {
@@ -163,7 +160,7 @@ public:
       std::ranges::fill(p, 0.0F);
       double before = 0;
       double fallBefore = 0;
-      double rateBefore = 0;
+      std::array<double, 3> rates{ 0, 0, 0 };
       bool first = true;
       for (;;)
       {
@@ -176,6 +173,8 @@ public:
         for (std::size_t i = 0; i < n; ++i)
           b[i] = static_cast<float>(r[i] / norm); // far from the least float
         multigrid_.cycle(b, z);
+        if (periodic)
+          takeOffMean(z);
         const double now = norm * dot(r, z); // of the residual and what a cycle makes of it
         if (first && now <= target * energy && start > 0)
         {
@@ -201,12 +200,11 @@ public:
         energy -= fall;
         if (!(energy > 0) || !std::isfinite(energy))
           fail(result);
-        // what is left falls like what fell: as slowly as in the slower of the last two steps
-        const double rate = first ? 1.0 : fall / fallBefore;
-        const double slower = std::max({ rate, rateBefore, leastRate });
+        // what is left falls like what fell: as slowly as in the slowest of the last steps
+        rates = { rates[1], rates[2], first ? 1.0 : fall / fallBefore };
+        const double slowest = std::max(std::ranges::max(rates), leastRate);
         fallBefore = fall;
-        rateBefore = rate;
-        result.solverError = slower < 1 ? safety * fall / energy * slower / (1 - slower) : 1.0;
+        result.solverError = slowest < 1 ? safety * fall / energy * slowest / (1 - slowest) : 1.0;
         first = false;
         reportProgress(options, problem_.comm, progressOf(result.solverError, target), "solving");
         if (result.solverError <= target)
@@ -275,8 +273,8 @@ public:
 private:
   [[noreturn]] void fail(const SteadyResult& result) const
   {
-    throw DivergenceError(
-      fmt::format("elements: the value still errs by {:.1e} after {} iterations", result.solverError, result.iterations),
+    throw DivergenceError(fmt::format("elements: the value still errs by {:.1e} after {} iterations",
+                            result.solverError, result.iterations),
       "allow more iterations, or a larger tolerance");
   }
 
@@ -314,6 +312,23 @@ private:
     for (const double part : parts)
       total += part;
     return total;
+  }
+
+  // A constant is free in a periodic cell, and round-off would let it grow.
+  void takeOffMean(std::vector<float>& z) const
+  {
+    double sum = 0;
+    std::int64_t count = 0;
+    for (const float value : z)
+      if (value != 0)
+      {
+        sum += static_cast<double>(value);
+        ++count;
+      }
+    const auto mean = static_cast<float>(count > 0 ? sum / static_cast<double>(count) : 0.0);
+    for (float& value : z)
+      if (value != 0)
+        value -= mean;
   }
 
   // In the units of a field that falls by 1 over the box.
@@ -377,7 +392,10 @@ private:
     s.all.outlet = periodic ? s.planes.flux[static_cast<std::size_t>(layers / 2)] : s.planes.flux.back();
     return s;
   }
-  [[nodiscard]] FieldSums sums() const { return sumsAndPlanes().all; }
+  [[nodiscard]] FieldSums sums() const
+  {
+    return sumsAndPlanes().all;
+  }
 
   // v is what is left of u n, without the linear profile.
   void balance()

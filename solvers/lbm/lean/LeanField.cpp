@@ -321,7 +321,7 @@ void LeanField::countConductance()
       if (p < n - 1 || periodic)
       {
         const std::uint8_t* there = axis == 1 ? phases_(y + 1, z) : phases_(y, z + 1);
-        sum[p == n - 1 ? 0 : p + 1] += 
+        sum[p == n - 1 ? 0 : p + 1] +=
           total([&](std::int64_t x) { return links_.factor(axis) * links_.mean(here[x], there[x]); });
       }
       for (const std::int64_t face : { std::int64_t{ 0 }, n - 1 })
@@ -431,7 +431,8 @@ double LeanField::roundOff() const
   constexpr double lastPlace = std::numeric_limits<float>::epsilon();
   const double unit = 1.0 / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]);
   const double total = problem_.comm.sum(std::accumulate(parts.begin(), parts.end(), 0.0));
-  const double around = 2.0 * (links_.factor(0) + links_.factor(1) + (problem_.lattice.dimension == 3 ? links_.factor(2) : 0));
+  const double around =
+    2.0 * (links_.factor(0) + links_.factor(1) + (problem_.lattice.dimension == 3 ? links_.factor(2) : 0));
   return around * lastPlace * lastPlace / 12.0 * unit * unit * total;
 }
 

@@ -201,7 +201,8 @@ void PieceMultigrid::label(const LeanField& field)
             {
               const auto i = static_cast<std::size_t>(n);
               const auto j = static_cast<std::size_t>(n | step);
-              if ((n & step) != 0 || !alongJoined[static_cast<std::size_t>(step / 2)] || id[i] < 0 || id[j] < 0 || label[i] == label[j] ||
+              if ((n & step) != 0 || !alongJoined[static_cast<std::size_t>(step / 2)] || id[i] < 0 || id[j] < 0 ||
+                label[i] == label[j] ||
                 joined[static_cast<std::size_t>(id[i]) * 256 + static_cast<std::size_t>(id[j])] == 0)
                 continue;
               label[i] = label[j] = std::min(label[i], label[j]);

@@ -20,9 +20,8 @@ Block blockOf(const Lattice& lattice, const Team& team)
 
 } // namespace
 
-DiffusionScene::DiffusionScene(
-  vtkImageData* input, vtkInformation* choice, int direction, const Team& team, bool gathered, Voxels voxels,
-  const std::optional<EvenGreys>& levels)
+DiffusionScene::DiffusionScene(vtkImageData* input, vtkInformation* choice, int direction, const Team& team,
+  bool gathered, Voxels voxels, const std::optional<EvenGreys>& levels)
   : whole(uprightImage(input, team, voxels))
   , phases(phaseIds(input, choice, team, levels))
   , nodes(phases.values.size(), 0)
@@ -55,6 +54,7 @@ lbm::Stencil DiffusionScene::stencil(int choice) const noexcept
 {
   if (choice == vtkDiffusionAlgorithm::AUTO_LATTICE)
     return whole.lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
+  static_assert(vtkDiffusionAlgorithm::Q1 - vtkDiffusionAlgorithm::D2Q5 == static_cast<int>(lbm::Stencil::Q1));
   return static_cast<lbm::Stencil>(choice - vtkDiffusionAlgorithm::D2Q5);
 }
 

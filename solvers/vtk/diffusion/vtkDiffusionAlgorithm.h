@@ -72,14 +72,15 @@ public:
 
   enum Lattices
   {
-    AUTO_LATTICE = 0, ///< "D2Q5 or D3Q7": D2Q5 or D3Q7; D2Q9 for conductivities along and across
+    AUTO_LATTICE = 0, ///< "D2Q5 or D3Q7": D2Q5 or D3Q7; D2Q9 or elements for conductivities along and across
     D2Q5 = 1,         ///< "D2Q5"
     D2Q9 = 2,         ///< "D2Q9"
     D3Q7 = 3,         ///< "D3Q7"
-    D3Q19 = 4         ///< "D3Q19"
+    D3Q19 = 4,        ///< "D3Q19"
+    Q1 = 5            ///< "Trilinear elements, at rest only"
   };
   /**
-   * Links of the lattice.
+   * Links of the lattice; q1: instead of links trilinear elements between the corners of voxels, for diffusion at rest.
    * @group Accuracy and cost
    * @choice Lattices
    * @advanced

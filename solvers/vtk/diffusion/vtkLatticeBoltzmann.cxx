@@ -355,6 +355,9 @@ void vtkLatticeBoltzmann::Internals::Running::SetOptions()
 {
   vtkLatticeBoltzmann& self = this->Self;
   lbm::SteppingOptions& options = this->Options;
+  if (self.Lattice == Q1)
+    throw lamella::ParameterError(
+      "lattice Boltzmann on elements, which have no links", "choose d2q5, d2q9, d3q7 or d3q19, or leave the choice");
   options.stencil = this->Scene.stencil(self.Lattice);
   options.collision = static_cast<lbm::Collision>(self.Collision);
   options.sides.fill(self.Sides == INSULATED ? lbm::Boundary::Insulated : lbm::Boundary::Periodic);

@@ -336,16 +336,13 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
       }
       found.conductivity = lamella::conductivityById(scene.phases, internal.Conductivity, scene.nodes);
       found.across = lamella::acrossById(scene.phases, internal.Conductivity, internal.Across, scene.nodes);
-      if (!found.across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9)
+      if (!found.across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9 && this->Lattice != Q1)
         throw lamella::ParameterError(
           std::string("conductivities along and across walls on ") + lbm::name(scene.stencil(this->Lattice)),
-          "they want the diagonal links of d2q9: choose it, or leave the choice");
-      if (!found.across.empty() && this->Sides == MIXED)
+          "they want the diagonal links of d2q9, or elements, q1: choose one, or leave the choice");
+      if (!found.across.empty() && this->Lattice == D2Q9 && this->Sides == MIXED)
         throw lamella::ParameterError(
-          "conductivities along and across walls with mixed sides", "take insulated or periodic sides");
-      if (!found.across.empty() && lattice.dimension != 2)
-        throw lamella::ParameterError("conductivities along and across walls in a volume",
-          "they go with pictures; give each phase of a volume one value");
+          "conductivities along and across walls with mixed sides on d2q9", "take q1, or insulated or periodic sides");
     });
   internal.Axes = { this->Direction };
   if (this->Direction == ALL)
@@ -363,7 +360,13 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
     }
   }
   found.dimension = lattice.dimension;
-  found.stencil = found.across.empty() ? scene.stencil(this->Lattice) : lbm::Stencil::D2Q9;
+  found.stencil = scene.stencil(this->Lattice);
+  if (!found.across.empty() && this->Lattice == AUTO_LATTICE)
+  {
+    const bool links = lattice.dimension == 2 && lattice.cubes() && this->Sides != MIXED &&
+      lbm::linksCarry(found.conductivity, found.across);
+    found.stencil = links ? lbm::Stencil::D2Q9 : lbm::Stencil::Q1;
+  }
   if (!found.shares)
     found.phases = scene.phases.names;
   found.targetError = this->TargetError;
@@ -381,7 +384,8 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   if (!found.across.empty())
   {
     const lamella::NodeVectors axis = lamella::vectorsOf(input, this->GetInputArrayInformation(1), "axis",
-      "give the directions along the walls, as MicrographLattice does, take one conductivity a phase", 2, team);
+      "give the directions along the walls, as MicrographLattice does, take one conductivity a phase",
+      lattice.dimension, team);
     internal.Directed = std::make_shared<lbm::DirectedDiffusivity>(lbm::DirectedDiffusivity{
       found.conductivity, found.across, lamella::gatherAxes(lattice, scene.whole.held, axis.array, team) });
     internal.Values = internal.Directed->larger(); // what conducts at all

@@ -6,9 +6,9 @@
  * exactly the steady state of two-relaxation-time lattice Boltzmann, and gives the effective conductivity, and on
  * demand the field and its flux.
  *
- * **Input**: that of vtkDiffusionAlgorithm. For phases that conduct differently along and across the wall, in two
- * dimensions, also the direction along it: `axis` unless another is chosen with SetInputArrayToProcess(1, ...), 2 or 3
- * components of any length, as vtkMicrographLattice makes it (lbm/DirectedLinks.h).
+ * **Input**: that of vtkDiffusionAlgorithm. For phases that conduct differently along and across an axis also its
+ * direction: `axis` unless another is chosen with SetInputArrayToProcess(1, ...), 2 or 3 components (of volumes 3) of
+ * any length, as vtkMicrographLattice makes it (lbm/DirectedLinks.h, lbm/elements/ElementSystem.h).
  *
  * **Output**: the input with, as asked for,
  * - `temperature` or `concentration` (double, scaled 0 to 1; NaN where nothing conducts),
@@ -42,7 +42,8 @@
  * gradient, all sides periodic.
  *
  * **Lattice**: D2Q5 and D3Q7 are the finite volume scheme with harmonic faces. Conductivities along and across a wall
- * want D2Q9, which AUTO_LATTICE then takes.
+ * want D2Q9, which AUTO_LATTICE takes for pictures up to a ratio of 5.82, or elements, Q1, which it takes for volumes
+ * and beyond.
  *
  * **Parallel**: the numbers are those of one rank to round-off.
  *
@@ -93,10 +94,9 @@ public:
 
   ///@{
   /**
-   * Of phases that conduct differently along and across the wall: the conductivity across it, one phase a row; that
-   * above is then the one along it. Pictures only, with the direction along the walls at every point, as Micrograph
-   * Lattice gives it. Ratios up to 5.82 go in every direction; of larger ones, what the links of D2Q9 cannot carry is
-   * refused.
+   * Of phases that conduct differently along an axis (the wall, the grain) and across it: the conductivity across, one
+   * phase a row; that above is then the one along. The image says at every point where the axis leads, as Micrograph
+   * Lattice does. Any ratio goes on elements, on the links of D2Q9 up to 5.82 in every direction.
    *
    * `phase` is the word that SetConductivity() was given.
    * @title Conductivity of phases across the wall

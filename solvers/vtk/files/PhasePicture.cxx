@@ -329,8 +329,8 @@ void nameGreys(PhasePicture& result, const PictureFile& file, bool ofImage, cons
   {
     if (options.unnamed)
       options.unnamed(picture);
-    result.image =
-      options.read.levels ? leveled(picture, *options.read.levels) : everyGrey(picture).apply(picture.lattice, picture.grey);
+    result.image = options.read.levels ? leveled(picture, *options.read.levels)
+                                       : everyGrey(picture).apply(picture.lattice, picture.grey);
   }
 }
 

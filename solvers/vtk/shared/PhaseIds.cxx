@@ -92,8 +92,8 @@ struct WholeNumbers
       if (!first && number == last)
         continue;
       if (levels && std::isnan(number))
-        throw InputError("array '" + std::string(array->GetName()) + "' holds values that are no numbers",
-          "give every node a grey");
+        throw InputError(
+          "array '" + std::string(array->GetName()) + "' holds values that are no numbers", "give every node a grey");
       if (levels && (needed || !(std::abs(number) < 9e15) || number != std::floor(number)))
       {
         needed = true;
@@ -194,8 +194,7 @@ std::vector<std::string> sharedNames(vtkDataSet* piece, const Team& team)
 
 } // namespace
 
-PhaseIds phaseIds(
-  vtkImageData* piece, vtkInformation* choice, const Team& team, const std::optional<EvenGreys>& levels)
+PhaseIds phaseIds(vtkImageData* piece, vtkInformation* choice, const Team& team, const std::optional<EvenGreys>& levels)
 {
   return phaseIds(
     piece, [&] { return chosenArray(piece, choice); }, team, levels);

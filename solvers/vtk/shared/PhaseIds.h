@@ -42,9 +42,8 @@ struct PhaseIds
 
 /// Collective. The same of any array of a data set's points or cells: `find` gives it, and may throw; it is not called
 /// where the piece is empty.
-[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseIds phaseIds(
-  vtkDataSet* piece, const std::function<vtkDataArray*()>& find, const Team& team,
-  const std::optional<EvenGreys>& levels = {});
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseIds phaseIds(vtkDataSet* piece,
+  const std::function<vtkDataArray*()>& find, const Team& team, const std::optional<EvenGreys>& levels = {});
 
 /// The id of the phase of this name or value; of none, that of the first that is called void, pore, lumen or air.
 /// @param what says in the message what the phase is wanted for: "pores"

@@ -217,9 +217,11 @@ std::array<double, 3> WholeImage::physical(const std::array<double, 3>& place) c
   std::array<double, 3> result{};
   for (std::size_t row = 0; row < 3; ++row)
   {
-    result[row] = lattice.origin[row] - extent[2 * row] * lattice.spacingAlong(static_cast<int>(row)); // of the node of index 0
+    result[row] =
+      lattice.origin[row] - extent[2 * row] * lattice.spacingAlong(static_cast<int>(row)); // of the node of index 0
     for (std::size_t column = 0; column < 3; ++column)
-      result[row] += direction[3 * row + column] * lattice.spacingAlong(static_cast<int>(column)) * (extent[2 * column] + place[column]);
+      result[row] += direction[3 * row + column] * lattice.spacingAlong(static_cast<int>(column)) *
+        (extent[2 * column] + place[column]);
   }
   return result;
 }
