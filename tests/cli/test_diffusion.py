@@ -295,7 +295,8 @@ class Walls(Case):
     def test_what_it_refuses(self):
         words = self.lattice()
         fails = lambda *rest: self.fails(*rest[:3], "diffusion", *words, *rest[3:])  # noqa: E731
-        fails(2, "a ratio of 20, are more than the links of d2q9 can carry", "keep to a ratio of 5.82", "--conductivity", "wall=1:0.05")
+        fails(2, "a ratio of 20, are more than the links of d2q9 can carry", "keep to a ratio of 5.82", "--conductivity", "wall=1:0.05",
+              "--lattice", "d2q9")
         fails(2, "along and across walls on d2q5", "leave the choice", "--conductivity", "wall=1:0.5", "--lattice", "d2q5")
         fails(2, "'b' is not a number", "NAME=ALONG:ACROSS", "--conductivity", "wall=1:b")
         fails(2, "'b' is not a number", "such as --conductivity wall=0.41", "--conductivity", "other=0.3,wall=b")

@@ -112,6 +112,7 @@ vtkSmartPointer<vtkImageData> greyBall(double none, double all)
       std::round((none + (all - none) * std::clamp(9.3 - distance, 0.0, 1.0)) * 1000) / 1000));
   }
   image->GetPointData()->Initialize();
+  image->GetFieldData()->Initialize(); // no names of phases
   image->GetPointData()->SetScalars(grey);
   return image;
 }
@@ -385,7 +386,13 @@ TEST(SteadyDiffusion, ConductivitiesAcrossThatCannotBe)
     { "one component", [](auto* f, auto*) { f->SetInputArrayToProcess(1, 0, 0, 0, "phase"); },
       { "'phase' has 1 components" } },
     { "zero", [](auto*, auto* i) { i->GetPointData()->GetArray("axis")->Fill(0); }, { "54 nodes", "have no axis" } },
-    { "ratio", [](auto* f, auto*) { f->SetConductivityAcross("a", 0.1); }, { "a ratio of 10", "28.6", "5.82" } },
+    { "ratio",
+      [](auto* f, auto*)
+      {
+        f->SetConductivityAcross("a", 0.1);
+        f->SetLattice(vtkSteadyDiffusion::D2Q9);
+      },
+      { "a ratio of 10", "28.6", "5.82", "q1" } },
     { "negative", [](auto* f, auto*) { f->SetConductivityAcross("a", -1); }, { "'a' is -1" } },
     { "none along", [](auto* f, auto*) { f->SetConductivityAcross("c", 1); },
       { "'c' has a conductivity across the wall and none" } },
@@ -428,13 +435,13 @@ TEST(SteadyDiffusion, VolumesConductAlongAndAcross)
     for (int j = 0; j < 3; ++j)
       EXPECT_NEAR(filter->GetEffectiveConductivity()[3 * i + j], (i == j ? 0.5 : 0.0) + 9.5 * a[i] * a[j], 1e-6);
   EXPECT_EQ(lamella::fieldText(filter->GetOutput(), "lattice").value_or(""), "q1");
-  for (const int sides : { vtkSteadyDiffusion::INSULATED, vtkSteadyDiffusion::MIXED })
-  {
-    filter->SetSides(sides);
-    ASSERT_EQ(errorOf(filter), "");
-    EXPECT_GT(filter->GetEffectiveConductivity()[0], 0.5);
-    EXPECT_LT(filter->GetEffectiveConductivity()[0], 0.5 + 9.5 * a[0] * a[0]);
-  }
+  filter->SetSides(vtkSteadyDiffusion::MIXED);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_NEAR(filter->GetEffectiveConductivity()[0], 0.5 + 9.5 * a[0] * a[0], 1e-6);
+  filter->SetSides(vtkSteadyDiffusion::INSULATED); // what would leave through the sides does not
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_GT(filter->GetEffectiveConductivity()[0], 1);
+  EXPECT_LT(filter->GetEffectiveConductivity()[0], 0.7 * (0.5 + 9.5 * a[0] * a[0]));
 }
 
 TEST(SteadyDiffusion, InputThatCannotBeUsedIsRefusedInWords)

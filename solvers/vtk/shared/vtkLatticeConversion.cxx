@@ -154,7 +154,8 @@ Lattice latticeOf(const int whole[6], const double origin[3], const double spaci
       lattice.size[axis] > 1 && std::abs(spacing[axis] - lattice.spacing) > 1e-6 * std::abs(lattice.spacing);
     if (differs && spacing[axis] > 0)
       lattice.aspect[axis] = spacing[axis] / lattice.spacing;
-    if (!(lattice.spacing > 0) || (differs && (voxels == Voxels::Cubes || !plausible(spacing[axis]))))
+    if (!(lattice.spacing > 0) ||
+      (differs && (voxels == Voxels::Cubes || !(spacing[axis] > 0) || !plausible(spacing[axis]))))
     {
       throw InputError("the image's spacing is " + std::to_string(spacing[0]) + ", " + std::to_string(spacing[1]) +
           ", " + std::to_string(spacing[2]) + "; " +
