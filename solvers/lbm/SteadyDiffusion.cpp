@@ -25,6 +25,9 @@ namespace
 // Iterations after which multigrid is left for algebraic multigrid when the choice is ours.
 constexpr int patience = 100;
 
+// Of the edges of a voxel.
+constexpr double mostUnlike = 1000;
+
 // Relative error of a field in single precision in the energy norm, with something to spare.
 constexpr double leanField = 1e-5;
 
@@ -303,6 +306,13 @@ SteadyDiffusion::SteadyDiffusion(const Lattice& lattice, const Block& block, std
       options.links              ? "resample the picture to square pixels"
         : lattice.dimension == 2 ? "use d2q5"
                                  : "use d3q7");
+  for (int a = 0; a < lattice.dimension; ++a)
+    if (const double ratio = lattice.aspect[static_cast<std::size_t>(a)] / lattice.aspect[0];
+        !(ratio >= 0.999 / mostUnlike && ratio <= 1.001 * mostUnlike))
+      throw ParameterError(
+        fmt::format("voxels with edges of {:g} and {:g}", lattice.spacingAlong(0), lattice.spacingAlong(a)),
+        fmt::format(
+          "they may differ by a factor of {:g}: look at the distance of slices and the pixel size", mostUnlike));
   if (!(options.tolerance > 0) || options.tolerance >= 1)
     throw ParameterError(fmt::format("tolerance {} is not between 0 and 1", options.tolerance),
       "ask for the relative error of the face fluxes, for instance 1e-8");

@@ -51,7 +51,7 @@ void setLattice(Picture& picture, const std::string& name, std::int64_t nx, std:
   int dimension, const std::optional<MetadataSize>& said, const ReadOptions& options)
 {
   double spacing = 1;
-  std::array<double, 3> aspect{ 1, 1, 1 };
+  std::array<double, 3> aspect = picture.lattice.aspect;
   picture.pixelSizeSource = "none";
   if (options.pixelSize)
   {
@@ -228,6 +228,8 @@ std::optional<MetadataSize> sizeIn(const RawLayout& layout, Picture& picture)
     picture.warnings.push_back(fmt::format("'{}' names no unit, and in metres its voxels would be {} large: left out; "
                                            "give the pixel size",
       layout.file.string(), micrometres(s[0])));
+    if (layout.size[2] > 1 && std::abs(s[0] - s[1]) <= 1e-3 * s[0] && std::abs(s[2] - s[0]) > 1e-2 * s[0])
+      picture.lattice.aspect[2] = s[2] / s[0]; // a ratio has no unit
     return std::nullopt;
   }
   if (layout.direction != RawLayout().direction)

@@ -34,7 +34,8 @@ struct ReadOptions
 /// Nothing said of it: the file as it is.
 bool asItIs(const PictureOptions& o)
 {
-  return o.settings.firstGiven({ "phase", "other", "window", "pixel-size", "array", "segment" }).empty();
+  return o.settings.firstGiven({ "phase", "other", "window", "pixel-size", "slice-distance", "array", "segment" })
+    .empty();
 }
 
 void readSample(Session& session, const ReadOptions& o, const std::string& commandLine)

@@ -340,6 +340,8 @@ PhasePicture namedPhases(const fs::path& path, const PictureOptions& options)
   read.sizeKnown = [&options](const Lattice& whole)
   {
     requireOneWord(options, whole);
+    if (options.read.sliceDistance && whole.dimension == 2)
+      throw ParameterError("a distance of slices of a picture, which has one", "leave it out: it is for volumes");
     if (options.read.sizeKnown)
       options.read.sizeKnown(whole);
   };
