@@ -424,7 +424,8 @@ void ElementMultigrid::factorize()
   direct_.compute(matrix);
 }
 
-void ElementMultigrid::smooth(Level& level, std::span<float> b, std::span<float> x) const
+// @param residual whether b is to end as what is left
+void ElementMultigrid::smooth(Level& level, std::span<float> b, std::span<float> x, bool residual) const
 {
   const float high = level.largest;
   const float low = high / static_cast<float>(smoothedPart);
@@ -447,6 +448,8 @@ void ElementMultigrid::smooth(Level& level, std::span<float> b, std::span<float>
       level.d[k] = old * level.d[k] + fresh * level.inverse[k] * b[k];
       x[k] += level.d[k];
     }
+    if (step == smoothing - 1 && !residual)
+      return;
     level.op.apply<float>(level.d, level.t);
 #pragma omp parallel for simd num_threads(threads) if (threads > 1) schedule(static)
     for (std::int64_t i = 0; i < n; ++i)
@@ -555,12 +558,12 @@ void ElementMultigrid::cycle(std::size_t index, std::span<float> b, std::span<fl
     return;
   }
   std::ranges::fill(x, 0.0F);
-  smooth(level, b, x);
+  smooth(level, b, x, true);
   Level& coarse = *levels_[index + 1];
   restrictTo(level, b, coarse);
   cycle(index + 1, coarse.b, coarse.x);
   addFrom(coarse, level, b, x);
-  smooth(level, b, x);
+  smooth(level, b, x, false);
 }
 
 void ElementMultigrid::cycle(std::span<float> b, std::span<float> x)

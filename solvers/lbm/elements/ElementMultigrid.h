@@ -106,7 +106,7 @@ private:
   void findLargest(Level& level) const;
   void factorize();
   void cycle(std::size_t index, std::span<float> b, std::span<float> x);
-  void smooth(Level& level, std::span<float> b, std::span<float> x) const;
+  void smooth(Level& level, std::span<float> b, std::span<float> x, bool residual) const;
   void restrictTo(const Level& fine, std::span<float> b, Level& coarse) const;
   void addFrom(const Level& coarse, Level& fine, std::span<float> b, std::span<float> x) const;
 
