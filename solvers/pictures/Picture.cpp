@@ -261,7 +261,7 @@ RawLayout layoutOf(const fs::path& path, const ReadOptions& options, RawHeader h
 /// Numbers of a file become greys, if they are some, or levels.
 template <typename Value>
 void toGreys(const std::vector<std::uint8_t>& bytes, std::uint16_t* to, const std::string& name,
-  const std::optional<EvenGreys>& levels)
+  const std::optional<GreyBins>& levels)
 {
   constexpr auto most = static_cast<double>(std::numeric_limits<std::uint16_t>::max());
   const auto* const from = reinterpret_cast<const Value*>(bytes.data());
@@ -295,7 +295,7 @@ void toGreys(const std::vector<std::uint8_t>& bytes, std::uint16_t* to, const st
 }
 
 void toGreys(NumberType type, const std::vector<std::uint8_t>& bytes, std::uint16_t* to, const std::string& name,
-  const std::optional<EvenGreys>& levels)
+  const std::optional<GreyBins>& levels)
 {
   const auto as = [&](auto value) { toGreys<decltype(value)>(bytes, to, name, levels); };
   const bool plus = type.kind == 'u';

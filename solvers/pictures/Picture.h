@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lattice/EvenGreys.h"
+#include "lattice/GreyBins.h"
 #include "lattice/Phases.h"
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct Picture
   Lattice lattice;                        ///< spacing from the option or the metadata, 1 where neither says
   std::array<std::int64_t, 3> fileSize{}; ///< nodes in the file, before the window
   std::vector<std::uint16_t> grey;        ///< one value a node; 8-bit values stay 0 … 255
-  std::optional<EvenGreys> levels;        ///< of which `grey` holds the numbers
+  std::optional<GreyBins> levels;         ///< of which `grey` holds the numbers
   std::vector<std::uint16_t> colour; ///< red, green, blue of every node; empty unless asked for and there is colour
   int bits = 8;                      ///< 8 or 16
   std::string format;                ///< "PNG", "JPEG", "TIFF", "PGM", "PPM", "BMP", or as name(RawHeader) has it
@@ -38,7 +38,7 @@ struct ReadOptions
   std::optional<double> sliceDistance; ///< [m], of volumes whose voxels are not cubes; wins over metadata
   /// Greys are no phases, but lie between these two: numbers that are no greys of 16 bits are read, too, and become
   /// levels.
-  std::optional<EvenGreys> levels;
+  std::optional<GreyBins> levels;
   bool keepColour = false;                            ///< colour pictures are read, not refused (for segment())
   std::optional<std::array<std::int64_t, 3>> rawSize; ///< raw volumes: nx, ny, nz
   std::optional<int> rawBits;                         ///< raw volumes: 8 or 16; else from the name or the file's size

@@ -10,6 +10,7 @@
 #include "session/Text.h"
 
 #include "core/Clock.h"
+#include "lattice/GreyTable.h"
 #include "lattice/Phases.h"
 #include "lbm/StudyChecks.h"
 #include "vtkLatticeConversion.h"
@@ -23,7 +24,9 @@
 
 #include <algorithm>
 #include <array>
+#include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -52,14 +55,23 @@ void requireVti(const std::string& output)
 }
 
 /// What is given of the phases goes to the filter; the image gets the directions that it may want.
-void giveConductivities(const DiffusionOptions& options, bool shares, const Sample& sample, vtkImageData* image)
+void giveConductivities(const DiffusionOptions& options, bool greys, const Sample& sample, vtkImageData* image)
 {
   const auto given = parseConductivities(options.conductivity);
-  if (shares)
-    return; // of greys: the filter knows the two names
+  if (greys)
+    return; // the filter knows what it may be told of
   requireNames("--conductivity", given, sample.image.phases.names());
   if (std::ranges::any_of(given, [](const GivenConductivity& one) { return one.along != one.across; }))
     requireAxes(options.picture, image);
+}
+
+/// Conductivities of greys.
+GreyTable tableOf(const DiffusionOptions& options)
+{
+  std::map<std::string, double> given;
+  for (const GivenConductivity& one : parseConductivities(options.conductivity))
+    given.emplace(one.phase, one.along);
+  return { given, "conductivity" };
 }
 
 /// One run of `lamella diffusion`: its filter, its sample, its files.
@@ -123,13 +135,17 @@ private:
       {
         const double* const greys = filter_->GetShares();
         const bool shares = greys[0] != 0 || greys[1] != 0;
-        sample_ =
-          loadSample(options_.picture, check, shares ? std::optional(EvenGreys{ greys[0], greys[1] }) : std::nullopt);
+        std::optional<GreyBins> bins;
+        if (filter_->GetInterpolate())
+          bins = tableOf(options_).bins();
+        else if (shares)
+          bins = GreyBins::even(greys[0], greys[1]);
+        sample_ = loadSample(options_.picture, check, bins);
         Session::checkInterrupt();
         tellDoubts(session_, sample_);
         const Lattice& lattice = sample_.image.lattice;
         image_ = imageOf(sample_);
-        giveConductivities(options_, shares, sample_, image_);
+        giveConductivities(options_, bins.has_value(), sample_, image_);
         image_->GetExtent(extent_.data());
         const int direction = filter_->GetDirection();
         for (int axis = 0; axis < 3; ++axis)

@@ -190,6 +190,7 @@ std::string toJson(const DiffusionReport& report)
   }
   const bool known = report.sample->pixelSizeSource != "none";
   json["pixel_size"] = known ? Json(lattice.spacing) : Json(nullptr);
+  json["conductivity_rounding"] = report.found.rounding ? Json(*report.found.rounding) : Json(nullptr);
   json["slice_distance"] = known && dimension == 3 ? Json(lattice.spacingAlong(2)) : Json(nullptr);
   json["pixel_size_source"] = report.sample->pixelSizeSource;
   json["warnings"] = report.sample->warnings;
@@ -244,6 +245,51 @@ std::string stepsText(const DiffusionReport& report)
 
 } // namespace
 
+namespace
+{
+
+std::string phasesText(const DiffusionReport& report)
+{
+  std::size_t width = 5;
+  for (const std::string& phase : phaseNames(report))
+    width = std::max(width, phase.size());
+  std::string text = fmt::format("  {:<{}}   share    conductivity\n", "phase", width);
+  for (std::size_t id = 0; id < report.found.fractions.size(); ++id)
+  {
+    if (report.found.fractions[id] > 0)
+    {
+      text += fmt::format("  {:<{}}  {:.5f}  {:g}", phaseNames(report)[id], width, report.found.fractions[id],
+        report.found.conductivity[id]);
+      if (!report.found.across.empty() && report.found.across[id] != report.found.conductivity[id])
+        text += fmt::format(" along the walls, {:g} across", report.found.across[id]);
+      text += "\n";
+    }
+  }
+  return text;
+}
+
+/// Of conductivities between greys: what there is of them.
+std::string greysText(const DiffusionReport& report)
+{
+  const SteadyFindings& found = report.found;
+  double low = std::numeric_limits<double>::infinity();
+  double high = 0;
+  int greys = 0;
+  for (std::size_t id = 0; id < found.fractions.size(); ++id)
+    if (found.fractions[id] > 0)
+    {
+      low = std::min(low, found.conductivity[id]);
+      high = std::max(high, found.conductivity[id]);
+      ++greys;
+    }
+  const bool binned = *found.rounding > 0;
+  return fmt::format("  {} {} of greys, conductivity from {:g} to {:g}, mean {:.6g}{}\n", greys,
+    binned ? "bins" : "values", low, high, found.bounds.parallel,
+    binned ? fmt::format("; a bin is within {} of its greys'", percent(*found.rounding)) : "");
+}
+
+} // namespace
+
 std::string toTable(const DiffusionReport& report)
 {
   const Lattice& lattice = report.sample->image.lattice;
@@ -260,21 +306,7 @@ std::string toTable(const DiffusionReport& report)
   for (const std::string& line : report.sample->notes)
     text += "  " + line + "\n";
   text += report.sample->notes.empty() ? "" : "\n";
-  std::size_t width = 5;
-  for (const std::string& phase : phaseNames(report))
-    width = std::max(width, phase.size());
-  text += fmt::format("  {:<{}}   share    conductivity\n", "phase", width);
-  for (std::size_t id = 0; id < report.found.fractions.size(); ++id)
-  {
-    if (report.found.fractions[id] > 0)
-    {
-      text += fmt::format("  {:<{}}  {:.5f}  {:g}", phaseNames(report)[id], width, report.found.fractions[id],
-        report.found.conductivity[id]);
-      if (!report.found.across.empty() && report.found.across[id] != report.found.conductivity[id])
-        text += fmt::format(" along the walls, {:g} across", report.found.across[id]);
-      text += "\n";
-    }
-  }
+  text += report.found.rounding ? greysText(report) : phasesText(report);
 
   const bool known = report.estimated && !report.found.shares; // where they are shares, one error for both
   text += fmt::format("\n  effective conductivity      error     {}from series (0 %) to parallel (100 %)\n",

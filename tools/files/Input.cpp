@@ -200,7 +200,7 @@ void checkSize(
 
 } // namespace
 
-Sample loadSample(const PictureOptions& options, const SampleCheck& check, const std::optional<EvenGreys>& greys)
+Sample loadSample(const PictureOptions& options, const SampleCheck& check, const std::optional<GreyBins>& greys)
 {
   lamella::PictureOptions how = readerOptions(options);
   how.read.sizeKnown = [&](const Lattice& whole) { checkSize(options, whole, how.window, check); };

@@ -50,7 +50,7 @@ using SampleCheck = std::function<void(const Lattice& sample)>;
 /// @param greys those that nobody named are wanted as they are, each a phase
 /// @throws ParameterError, InputError, MemoryError; what `check` throws
 [[nodiscard]] Sample loadSample(
-  const PictureOptions& options, const SampleCheck& check = {}, const std::optional<EvenGreys>& greys = {});
+  const PictureOptions& options, const SampleCheck& check = {}, const std::optional<GreyBins>& greys = {});
 
 /// The grey values of a picture or volume, with what lamella recorded in it, if lamella wrote it.
 /// @throws InputError

@@ -21,7 +21,7 @@ Block blockOf(const Lattice& lattice, const Team& team)
 } // namespace
 
 DiffusionScene::DiffusionScene(vtkImageData* input, vtkInformation* choice, int direction, const Team& team,
-  bool gathered, Voxels voxels, const std::optional<EvenGreys>& levels)
+  bool gathered, Voxels voxels, const std::optional<GreyBins>& levels)
   : whole(uprightImage(input, team, voxels))
   , phases(phaseIds(input, choice, team, levels))
   , nodes(phases.values.size(), 0)

@@ -32,7 +32,7 @@ struct DiffusionScene
   /// @param levels as of phaseIds()
   /// @param gathered whether every rank gets the whole image, for what is not solved in blocks of its own lattice
   DiffusionScene(vtkImageData* input, vtkInformation* choice, int direction, const Team& team, bool gathered = false,
-    Voxels voxels = Voxels::Cubes, const std::optional<EvenGreys>& levels = {});
+    Voxels voxels = Voxels::Cubes, const std::optional<GreyBins>& levels = {});
   DiffusionScene(const DiffusionScene&) = delete;
   DiffusionScene& operator=(const DiffusionScene&) = delete;
 

@@ -61,7 +61,7 @@ double SteadyFindings::error(double ErrorEstimate::*kind) const
 
 bool SteadyFindings::outlinesServe() const
 {
-  return dimension == 2 && across.empty() && !shares &&
+  return dimension == 2 && across.empty() && !shares && !rounding &&
     std::ranges::count_if(
       fractions, [](double f) { return f > 0; }) == 2;
 }
@@ -136,7 +136,9 @@ void describe(vtkImageData* output, const SteadyFindings& found)
   setFieldNumbers(output, "phase_fraction", found.fractions);
   if (!found.shares)
     setFieldTexts(output, "phase_names", found.phases);
-  setFieldText(output, "phase_array", found.phaseArray);
+  if (found.rounding)
+    setFieldNumbers(output, "conductivity_rounding", std::array{ *found.rounding });
+  setFieldText(output, "phase_array", found.shares ? "" : found.phaseArray); // greys are no phases
   setFieldText(output, "direction", found.direction);
   setFieldText(output, "sides", found.sides);
   setFieldText(output, "lattice", lbm::name(found.stencil));

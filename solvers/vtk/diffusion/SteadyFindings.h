@@ -26,6 +26,7 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   std::vector<double> fractions;             ///< by phase id
   std::vector<std::string> phases;           ///< names by id; of shares low and high, whatever the image's phases
   bool shares = false;                       ///< of two phases, told by greys
+  std::optional<double> rounding;            ///< of conductivities interpolated between greys
   std::string phaseArray;
   int dimension = 2;
   lbm::Stencil stencil = lbm::Stencil::D2Q5;

@@ -12,6 +12,8 @@
 
 #include "core/Communicator.h"
 #include "core/Error.h"
+#include "core/Parse.h"
+#include "lattice/GreyTable.h"
 #include "lbm/Bounds.h"
 #include "lbm/DiffusionStudy.h"
 #include "lbm/Shares.h"
@@ -30,10 +32,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -304,11 +306,24 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
     throw lamella::ParameterError(
       "greys as shares of two phases, with pixels that are split or conduct along and across",
       "leave out the refinement, the target error and the second conductivity: two spacings give the error");
+  if (this->Interpolate && (shares || !this->Internal->Across.empty()))
+    throw lamella::ParameterError("interpolated conductivities with shares, or along and across", "take one of them");
+  std::optional<lamella::GreyTable> table;
+  std::optional<lamella::GreyBins> bins;
+  team.agree(
+    [&]
+    {
+      if (this->Interpolate)
+        bins = table.emplace(this->Internal->Conductivity, "conductivity").bins();
+      else if (shares)
+        bins = lamella::GreyBins::even(this->Shares[0], this->Shares[1]);
+    });
   const bool gathered =
     this->EstimateError || this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty() || shares;
-  const lamella::DiffusionScene scene(input, this->GetInputArrayInformation(0), this->Direction, team, gathered,
-    lamella::Voxels::Any,
-    shares ? std::optional(lamella::EvenGreys{ this->Shares[0], this->Shares[1] }) : std::nullopt);
+  const lamella::DiffusionScene scene(
+    input, this->GetInputArrayInformation(0), this->Direction, team, gathered, lamella::Voxels::Any, bins);
+  if (table)
+    team.agree([&] { this->TakeGreys(scene, *table); });
   this->Prepare(input, scene, team);
   FieldStore store(this, scene, team);
   gathered ? this->SolveGathered(scene, store, team) : this->SolveInBlocks(scene, store, team);
@@ -334,6 +349,8 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
         this->TakeShares(scene);
         return;
       }
+      if (found.rounding)
+        return;
       found.conductivity = lamella::conductivityById(scene.phases, internal.Conductivity, scene.nodes);
       found.across = lamella::acrossById(scene.phases, internal.Conductivity, internal.Across, scene.nodes);
       if (!found.across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9 && this->Lattice != Q1)
@@ -413,6 +430,26 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
     this->InvokeEvent(PLAN_EVENT, words.data());
 }
 
+// What each grey conducts.
+void vtkSteadyDiffusion::TakeGreys(const lamella::DiffusionScene& scene, const lamella::GreyTable& table)
+{
+  lamella::SteadyFindings& found = this->Internal->Found;
+  const lamella::GreyBins bins = table.bins();
+  bool binned = scene.phases.names.size() == bins.count();
+  for (std::size_t bin = 0; binned && bin < bins.count(); ++bin)
+    binned = scene.phases.names[bin] == bins.name(bin);
+  found.rounding = binned ? table.rounding() : 0.0;
+  for (const std::string& name : scene.phases.names)
+  {
+    const std::optional<double> grey = lamella::toNumber(name);
+    if (!grey)
+      throw lamella::ParameterError(
+        "conductivities interpolated between greys for an image whose phases have names, as '" + name + "'",
+        "give the grey image itself, and no names of phases");
+    found.conductivity.push_back(table.value(*grey));
+  }
+}
+
 // What the greys say of the two phases.
 void vtkSteadyDiffusion::TakeShares(const lamella::DiffusionScene& scene)
 {
@@ -436,12 +473,12 @@ void vtkSteadyDiffusion::TakeShares(const lamella::DiffusionScene& scene)
   for (std::size_t id = 0; id < scene.nodes.size(); ++id)
   {
     const std::string& text = scene.phases.names[id]; // of what nobody named: the grey
-    double grey = 0;
-    if (std::from_chars(text.data(), text.data() + text.size(), grey).ptr != text.data() + text.size())
+    const std::optional<double> grey = lamella::toNumber(text);
+    if (!grey)
       throw lamella::ParameterError(
         "shares of greys were given for an image whose phases have names, as '" + text + "'",
         "give the grey image itself, and no names of phases");
-    internal.Shares.push_back(std::clamp((grey - this->Shares[0]) / (this->Shares[1] - this->Shares[0]), 0.0, 1.0));
+    internal.Shares.push_back(std::clamp((*grey - this->Shares[0]) / (this->Shares[1] - this->Shares[0]), 0.0, 1.0));
     sum += internal.Shares.back() * static_cast<double>(scene.nodes[id]);
   }
   const double high = sum / static_cast<double>(scene.lattice().count());

@@ -29,6 +29,8 @@
  *   the lower ones are those of the smaller, the upper ones those of the larger
  * - `balance`, `solver_error`, `iterations`, `stored_nodes`, `skipped_nodes`, `refinement`: 3 numbers, by direction;
  * NaN where not solved
+ * - `conductivity_rounding`, of interpolated conductivities: largest relative change by which bins of greys stand for
+ *   their greys; 0: each grey has its own. By it at most the effective one is off
  * - `phase_conductivity`: by phase id; `phase_fraction` likewise; `phase_names`. Where one differs across the wall
  *   also `phase_conductivity_across`
  * - `direction` ("x", "y", "z" or "all"), `sides`, `lattice`, `phase_array` (the array of the ids): strings
@@ -62,6 +64,7 @@
 namespace lamella
 {
 struct DiffusionScene;
+class GreyTable;
 struct SteadyFindings;
 class Team;
 }
@@ -120,6 +123,14 @@ public:
    * @columns none, all
    */
   vtkSettingVector2Macro(Shares, double, 0, 0);
+
+  /**
+   * The image is grey, and conductivities are given of greys instead of phases, 0.1 of 40 and 1 of 220: between two of
+   * them it is interpolated linearly, beyond the outermost it stays. Greys may be of any type; more than 256 are put
+   * into bins that are told.
+   * @group Materials
+   */
+  vtkSwitchMacro(Interpolate, false);
 
   enum AllDirections
   {
@@ -238,6 +249,7 @@ private:
   void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
   /// What of the settings and the image the solver takes. @throws Error on every rank
   void TakeShares(const lamella::DiffusionScene& scene);
+  void TakeGreys(const lamella::DiffusionScene& scene, const lamella::GreyTable& table);
   void Prepare(vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team);
   void SolveInBlocks(const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team);
   void SolveGathered(const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team);

@@ -207,7 +207,7 @@ GreyMap everyGrey(const micrograph::Picture& picture)
 }
 
 /// Every grey a phase of its own, or every level where there are too many.
-PhaseImage leveled(const micrograph::Picture& picture, const EvenGreys& levels)
+PhaseImage leveled(const micrograph::Picture& picture, const GreyBins& levels)
 {
   std::vector<bool> seen(65536, false);
   for (const std::uint16_t grey : picture.grey)
@@ -215,7 +215,7 @@ PhaseImage leveled(const micrograph::Picture& picture, const EvenGreys& levels)
   if (!picture.levels && std::ranges::count(seen, true) <= 256)
     return everyGrey(picture).apply(picture.lattice, picture.grey);
   PhaseImage image{ picture.lattice, {}, {} };
-  for (int level = 0; level < EvenGreys::count; ++level)
+  for (std::size_t level = 0; level < levels.count(); ++level)
     image.phases.add(levels.name(level));
   image.phase.reserve(picture.grey.size());
   for (const std::uint16_t grey : picture.grey)

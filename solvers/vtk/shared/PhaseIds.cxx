@@ -137,7 +137,7 @@ struct Renumber
 
 struct ToLevels
 {
-  const EvenGreys& levels;
+  const GreyBins& levels;
   std::vector<std::uint8_t>& ids;
 
   template <typename Array>
@@ -194,14 +194,14 @@ std::vector<std::string> sharedNames(vtkDataSet* piece, const Team& team)
 
 } // namespace
 
-PhaseIds phaseIds(vtkImageData* piece, vtkInformation* choice, const Team& team, const std::optional<EvenGreys>& levels)
+PhaseIds phaseIds(vtkImageData* piece, vtkInformation* choice, const Team& team, const std::optional<GreyBins>& levels)
 {
   return phaseIds(
     piece, [&] { return chosenArray(piece, choice); }, team, levels);
 }
 
 PhaseIds phaseIds(vtkDataSet* piece, const std::function<vtkDataArray*()>& find, const Team& team,
-  const std::optional<EvenGreys>& levels)
+  const std::optional<GreyBins>& levels)
 {
   PhaseIds result;
   const bool empty = piece->GetNumberOfPoints() == 0;
@@ -256,9 +256,9 @@ PhaseIds phaseIds(vtkDataSet* piece, const std::function<vtkDataArray*()>& find,
         if (toLevels)
         {
           result.values.clear();
-          for (int level = 0; level < EvenGreys::count; ++level)
+          for (std::size_t level = 0; level < levels->count(); ++level)
           {
-            result.values.push_back(level);
+            result.values.push_back(static_cast<std::int64_t>(level));
             result.names.push_back(levels->name(level));
           }
           result.own.resize(empty ? 0 : static_cast<std::size_t>(array->GetNumberOfTuples()));

@@ -2,7 +2,7 @@
 
 #include "vtkPieces.h"
 
-#include "lattice/EvenGreys.h"
+#include "lattice/GreyBins.h"
 
 #include <cstdint>
 #include <functional>
@@ -38,12 +38,12 @@ struct PhaseIds
 /// greys
 /// @throws Error on every rank
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseIds phaseIds(
-  vtkImageData* piece, vtkInformation* choice, const Team& team, const std::optional<EvenGreys>& levels = {});
+  vtkImageData* piece, vtkInformation* choice, const Team& team, const std::optional<GreyBins>& levels = {});
 
 /// Collective. The same of any array of a data set's points or cells: `find` gives it, and may throw; it is not called
 /// where the piece is empty.
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT PhaseIds phaseIds(vtkDataSet* piece,
-  const std::function<vtkDataArray*()>& find, const Team& team, const std::optional<EvenGreys>& levels = {});
+  const std::function<vtkDataArray*()>& find, const Team& team, const std::optional<GreyBins>& levels = {});
 
 /// The id of the phase of this name or value; of none, that of the first that is called void, pore, lumen or air.
 /// @param what says in the message what the phase is wanted for: "pores"
