@@ -127,7 +127,7 @@ GreyBins GreyTable::bins() const
     };
     for (std::int64_t i = 0; i < parts; ++i)
     {
-      border.push_back(at(static_cast<double>(i)));
+      border.push_back(border.empty() ? std::nextafter(grey_.front(), grey_.back()) : at(static_cast<double>(i)));
       grey.push_back(at(static_cast<double>(i) + 0.5));
     }
   }

@@ -2,6 +2,7 @@
 #include "VtkTesting.h"
 
 #include "vtkCellData.h"
+#include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
 #include "vtkIntArray.h"
 #include "vtkMath.h"
@@ -150,6 +151,62 @@ TEST(SteadyDiffusion, SharesComeFromGreysOfAnyType)
   filter->SetConductivity("high", 10);
   filter->SetShares(0, 1.5);
   EXPECT_NE(errorOf(filter).find("no numbers"), std::string::npos);
+}
+
+/// Layers across x, each of a grey of its own: in series across, in parallel along; bins err by less than they tell.
+TEST(SteadyDiffusion, ConductivitiesAreInterpolatedBetweenGreys)
+{
+  constexpr int layers = 600;
+  for (const double contrast : { 3.0, 1000.0 })
+    for (const bool whole : { true, false })
+    {
+      const vtkSmartPointer<vtkImageData> image = picture(layers, 2, 1, [](int, int, int) { return 0; });
+      vtkNew<vtkDoubleArray> grey;
+      grey->SetName("grey");
+      double resistance = 0;
+      double sum = 0;
+      for (int i = 0; i < 2 * layers; ++i)
+      {
+        const double share = whole ? i % layers % 200 / 200.0 : std::fmod(i % layers * 0.61803398875, 1.0);
+        grey->InsertNextValue(40 + 200 * share);
+        const double k = std::min(1.0, share / 0.9) * (contrast - 1) + 1; // constant above 220
+        resistance += 0.5 / k / layers;
+        sum += 0.5 * k / layers;
+      }
+      image->GetPointData()->Initialize();
+      image->GetFieldData()->Initialize();
+      image->GetPointData()->SetScalars(grey);
+      vtkNew<vtkSteadyDiffusion> filter;
+      filter->SetInputData(image);
+      filter->SetInputArrayToProcess(0, 0, 0, 0, "grey");
+      filter->SetConductivity("40", 1);
+      filter->SetConductivity("220", contrast);
+      filter->SetInterpolate(true);
+      filter->SetEstimateError(false);
+      ASSERT_EQ(errorOf(filter), "");
+      const double rounding = lamella::fieldNumbers(filter->GetOutput(), "conductivity_rounding").at(0);
+      EXPECT_EQ(rounding > 0, !whole);
+      EXPECT_LT(rounding, 0.015);
+      const double* const k = filter->GetEffectiveConductivity();
+      EXPECT_NEAR(k[0] * resistance, 1, std::max(1e-7, 0.1 * rounding));
+      EXPECT_NEAR(k[4] / sum, 1, std::max(1e-7, 0.1 * rounding));
+    }
+}
+
+TEST(SteadyDiffusion, GreysThatCannotBeInterpolatedAreRefused)
+{
+  const vtkSmartPointer<vtkImageData> named = picture(6, 6, 1, layersAcrossX);
+  const auto filter = solver(named, vtkSteadyDiffusion::X);
+  filter->SetInterpolate(true);
+  EXPECT_NE(errorOf(filter).find("'a', which is no grey"), std::string::npos);
+  filter->RemoveAllConductivities();
+  EXPECT_NE(errorOf(filter).find("no grey to be interpolated"), std::string::npos);
+  filter->SetConductivity("40", 1);
+  EXPECT_NE(errorOf(filter).find("one grey alone"), std::string::npos);
+  filter->SetConductivity("50", 1);
+  EXPECT_NE(errorOf(filter).find("phases have names, as 'a'"), std::string::npos);
+  filter->SetShares(40, 50);
+  EXPECT_NE(errorOf(filter).find("take one of them"), std::string::npos);
 }
 
 TEST(SteadyDiffusion, EmptyBoxConductsAsItsMaterial)
