@@ -1,23 +1,30 @@
 // study=spheres, bars; all unless told.
 //
 // spheres: how near plain voxels come to the material, and voxels that know their share of a phase: simple cubic array
-// of spheres, by contrast, fraction and nodes across; and 2 × fine − coarse of the last two. bars: how often the error
-// bar of studyShares() holds the material's value, on balls at random, cylinders and layers at random angles, drawn
-// with 24 to 48 nodes across (count= of them; the value: extrapolated from 64 and 128 nodes).
-//   fraction=0.1,0.3,0.4  contrast=1000,10,0.1,0.001 (sphere over matrix)  size=16,32,64
+// of spheres, by fraction, contrast (sphere over matrix; 1e6 for infinity) and voxels across; each also extrapolated
+// from these and half as many; and whether the error bar of the shares holds. The truth: multipoles
+// (sphere-arrays.csv, made by sphere-arrays.py). bars: how often the bar of studyShares() holds the material's value,
+// on balls at random, cylinders and layers at random angles, drawn with 24 to 48 nodes across (count= of them; the
+// value: extrapolated from 64 and 128 nodes).
+//   fraction=0.1,0.2,0.3,0.4,0.5  contrast=0,0.001,0.1,10,1000,1e6  size=16,32,64,128  truths=FILE
 #include "Keys.h"
 #include "Shapes.h"
 #include "Table.h"
 
 #include "../tests/SphereShares.h"
 
+#include "core/Error.h"
 #include "lbm/Shares.h"
-#include "lbm/SteadyDiffusion.h"
+
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <limits>
-#include <optional>
+#include <string>
+#include <vector>
 
 namespace
 {
@@ -25,84 +32,113 @@ namespace
 using namespace lamella;
 using namespace lamella::benchmark;
 
-/// Values of McPhedran & McKenzie (1978), as far as digits are printed.
-std::optional<double> published(double fraction, double contrast)
+constexpr std::size_t levels = 255;
+
+std::vector<double> evenShares()
 {
-  struct Value
-  {
-    double fraction, contrast, value;
-  };
-  for (const Value& v : { Value{ 0.1, 10, 1.2433 }, Value{ 0.3, 10, 1.8877 }, Value{ 0.4, 10, 2.3644 } })
-    if (v.fraction == fraction && v.contrast == contrast)
-      return v.value;
-  return {};
+  std::vector<double> even;
+  for (std::size_t i = 0; i < levels; ++i)
+    even.push_back(static_cast<double>(i) / (levels - 1));
+  return even;
 }
 
-double value(std::int64_t n, const std::vector<double>& share, double contrast, std::optional<lbm::AcrossSurface> rule)
+struct Truth
 {
-  constexpr int levels = 255;
-  const Lattice lattice = makeLattice(n, n, n, 3, 1.0 / static_cast<double>(n));
-  lbm::SteadyOptions options;
-  options.stencil = lbm::Stencil::D3Q7;
-  options.sides = lbm::Sides::Mixed;
-  options.tolerance = 1e-7;
-  options.fieldTolerance = std::numeric_limits<double>::infinity();
-  std::vector<std::uint8_t> id(share.size());
-  std::vector<double> conductivity{ 1, contrast };
-  for (std::size_t i = 0; i < id.size(); ++i)
-    id[i] = static_cast<std::uint8_t>(rule ? std::lround(share[i] * (levels - 1)) : (share[i] >= 0.5 ? 1 : 0));
-  if (rule)
+  double fraction = 0, contrast = 0, value = 0;
+};
+
+std::vector<Truth> truthsOf(const std::string& file)
+{
+  std::ifstream in(file);
+  std::vector<Truth> truths;
+  for (std::string line; std::getline(in, line);)
   {
-    std::vector<double> of(levels);
-    for (int i = 0; i < levels; ++i)
-      of[static_cast<std::size_t>(i)] = i / static_cast<double>(levels - 1);
-    auto pairs = std::make_shared<lbm::PairTable>(lbm::shareLinks(of, 1, contrast, *rule));
-    conductivity.clear();
-    for (std::size_t i = 0; i < levels; ++i)
-      conductivity.push_back(pairs->link[i * levels + i]);
-    options.pairs = std::move(pairs);
+    Truth t;
+    if (std::sscanf(line.c_str(), "%lf,%lf,%lf", &t.fraction, &t.contrast, &t.value) == 3)
+      truths.push_back(t);
   }
-  lbm::SteadyDiffusion solver(lattice, decompose(lattice, MPI_COMM_SELF), id, conductivity, options);
-  return solver.solve(0).effective[0];
+  if (truths.empty())
+    throw ParameterError("no truths in '" + file + "'", "write them with benchmarks/sphere-arrays.py");
+  return truths;
+}
+
+/// A cell of the array; no phases yet.
+PhaseImage cell(std::int64_t n)
+{
+  PhaseImage image;
+  image.lattice = makeLattice(n, n, n, 3, 1.0 / static_cast<double>(n));
+  return image;
+}
+
+lbm::StudyOptions alongX()
+{
+  lbm::StudyOptions study;
+  study.axes = { 0 };
+  study.steady.stencil = lbm::Stencil::D3Q7;
+  study.steady.sides = lbm::Sides::Mixed;
+  study.steady.tolerance = 1e-7;
+  study.steady.fieldTolerance = std::numeric_limits<double>::infinity();
+  return study;
+}
+
+/// Of plain voxels: the phase that at least half of each is.
+double ofVoxels(std::int64_t n, double fraction, double contrast)
+{
+  PhaseImage image = cell(n);
+  for (const double s : test::sphereShares(n, fraction))
+    image.phase.push_back(s >= 0.5 ? 1 : 0);
+  lbm::StudyOptions study = alongX();
+  study.estimateError = false;
+  return lbm::studyDiffusion(image, std::vector{ 1.0, contrast }, study, MPI_COMM_SELF).front().result.effective[0];
+}
+
+lbm::DiffusionAnswer ofShares(std::int64_t n, double fraction, double contrast)
+{
+  PhaseImage image = cell(n);
+  for (const double s : test::sphereShares(n, fraction))
+    image.phase.push_back(static_cast<std::uint8_t>(std::lround(s * (levels - 1))));
+  return lbm::studyShares(image, evenShares(), 1, contrast, alongX(), MPI_COMM_SELF).front();
 }
 
 void spheres(const Keys& keys)
 {
   const std::vector<double> sizes =
-    list(keys, "size", 0).front() > 0 ? list(keys, "size", 0) : std::vector{ 16.0, 32.0, 64.0 };
-  const std::vector<double> fractions =
-    keys.contains("fraction") ? list(keys, "fraction", 0) : std::vector{ 0.1, 0.3, 0.4 };
-  const std::vector<double> contrasts =
-    keys.contains("contrast") ? list(keys, "contrast", 0) : std::vector{ 1000.0, 10.0, 0.1, 0.001 };
-  Table table(keys, "surface-shares", "spheres", "fraction,contrast,way,nodes,value,published");
-  for (const double fraction : fractions)
-    for (const double contrast : contrasts)
+    keys.contains("size") ? list(keys, "size", 0) : std::vector{ 16.0, 32.0, 64.0, 128.0 };
+  Table table(keys, "surface-shares", "spheres", "fraction,contrast,way,nodes,value,error,extrapolated_error,bar,held");
+  int held = 0;
+  int bars = 0;
+  for (const Truth& t : truthsOf(text(keys, "truths", SPHERE_TRUTHS)))
+  {
+    const auto wanted = [&](const char* key, double value)
     {
-      const auto exact = published(fraction, contrast);
-      fmt::print("spheres of {:g}, {:g} times the matrix{}\n", fraction, contrast,
-        exact ? fmt::format(", published {:.4f}", *exact) : "");
-      // the matrix leads across: flux runs in it where it conducts better
-      const lbm::AcrossSurface rule = lbm::ruleFor(contrast < 1);
-      for (const bool shares : { false, true })
-      {
-        std::vector<double> values;
-        fmt::print("  {:<8}", shares ? "shares" : "voxels");
-        for (const double size : sizes)
-        {
-          const auto n = static_cast<std::int64_t>(size);
-          values.push_back(
-            value(n, test::sphereShares(n, fraction), contrast, shares ? std::optional(rule) : std::nullopt));
-          fmt::print(" {:>9.5f}", values.back());
-          table.line(fraction, contrast, shares ? "shares" : "voxels", n, values.back(), exact.value_or(std::nan("")));
-        }
-        const double last = values.size() > 1 ? 2 * values.back() - values[values.size() - 2] : values.back();
-        fmt::print("  extrapolated {:>9.5f}", last);
-        if (exact)
-          fmt::print("  errors {:+.3f} % and {:+.3f} %", 100 * (values.back() / *exact - 1), 100 * (last / *exact - 1));
-        fmt::print("\n");
-        std::fflush(stdout);
-      }
+      const std::vector<double> all = list(keys, key, value);
+      return std::ranges::find(all, value) != all.end();
+    };
+    if (!wanted("fraction", t.fraction) || !wanted("contrast", t.contrast))
+      continue;
+    fmt::print("fraction {:g}, spheres of {:g}: {:.6f}; errors [%]\n", t.fraction, t.contrast, t.value);
+    const auto error = [&](double value) { return 100 * (value / t.value - 1); };
+    for (const double size : sizes)
+    {
+      const auto n = static_cast<std::int64_t>(size);
+      const double voxels = ofVoxels(n, t.fraction, t.contrast);
+      const double voxels2 = 2 * voxels - ofVoxels(n / 2, t.fraction, t.contrast);
+      const lbm::DiffusionAnswer shares = ofShares(n, t.fraction, t.contrast);
+      const double value = shares.result.effective[0];
+      const double bar = 100 * shares.error.relative;
+      const bool holds = std::abs(error(value)) <= bar;
+      ++bars;
+      held += holds ? 1 : 0;
+      fmt::print("  {:>4}  voxels {:+8.3f} and extrapolated {:+8.3f}; shares {:+8.3f} and {:+8.3f}, bar {:.3f}{}\n", n,
+        error(voxels), error(voxels2), error(value), error(shares.error.extrapolated), bar,
+        holds ? "" : " does not hold");
+      table.line(t.fraction, t.contrast, "voxels", n, voxels, error(voxels), error(voxels2), "", "");
+      table.line(
+        t.fraction, t.contrast, "shares", n, value, error(value), error(shares.error.extrapolated), bar, holds ? 1 : 0);
+      std::fflush(stdout);
     }
+  }
+  fmt::print("bars held {} of {}\n", held, bars);
 }
 
 /// The part of each voxel inside a shape: of those whose corners or middle differ, by samples.
@@ -168,13 +204,10 @@ Shape randomShape(Random& random, int kind)
 
 void bars(const Keys& keys)
 {
-  constexpr std::size_t levels = 255;
   const int count = static_cast<int>(number(keys, "count", 90));
   Random random(static_cast<std::uint64_t>(number(keys, "seed", 1)));
   Table table(keys, "surface-shares", "bars", "kind,nodes,contrast,value,bar,extrapolated,truth,error,held");
-  std::vector<double> even;
-  for (std::size_t i = 0; i < levels; ++i)
-    even.push_back(static_cast<double>(i) / (levels - 1));
+  const std::vector<double> even = evenShares();
   int held = 0;
   std::vector<double> ratios;
   std::vector<double> errors;

@@ -35,9 +35,12 @@ enum class AcrossSurface
 /// options.estimateError those of twice the spacing, whose nodes hold the mean shares of 2 × 2 (× 2); where a side is
 /// odd, of all but its last nodes.
 ///
-/// The errors of such values fall nearly like the spacing and in one direction. So error.extrapolated is 2 × fine −
-/// coarse, and error.relative 1.5 |fine − coarse|, or a third of the change before that one where it is more; of
-/// lattice and picture together, told as the lattice's. How often it holds: docs/benchmarks/volumes.md.
+/// The errors of such values have a part in proportion to the spacing h and one to h². error.extrapolated is without
+/// both, from the values of h, 2h and 4h: fine + (fine − coarse) (5 − r)/3, r = (coarse − coarser)/(fine − coarse)
+/// within 2 (the first part alone) and 4 (the second). Where half as many nodes are odd or fewer than 6 on some side,
+/// there is no 4h: 2 × fine − coarse. error.relative is 1.5 |fine − coarse|, or a third of the change before that one
+/// where it is more; of lattice and picture together, told as the lattice's. How often it holds:
+/// docs/benchmarks/volumes.md.
 ///
 /// @param image  the whole picture, the same on every rank  @param share by id
 /// @param options refinement, targetError, directed and steady.links are not used

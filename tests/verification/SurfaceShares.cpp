@@ -77,19 +77,16 @@ TEST(SurfaceShares, FlatLayersAreExactWhereverTheyBegin)
 
 TEST(SurfaceShares, SpheresComeNearerAndCanBeExtrapolated)
 {
+  // Multipoles (benchmarks/sphere-arrays.py, which meets McPhedran & McKenzie's values). Of 2 × fine − coarse errs most
+  // at 0.1, 10: 0.06 %, at 0.4, 0.1: 0.08 %; beyond a contrast of 100, where errors fall faster than the spacing, 0.14
+  // %.
   struct Case
   {
-    double fraction, contrast, exact;
+    double fraction, contrast, exact, within;
   };
-  // McPhedran & McKenzie's values; and of insulating spheres at 0.1 the first terms of the same series, which 5 digits
-  // do not tell from all: 1 + 3 f b / (1 - f b), b = (k - 1) / (k + 2)
-  const auto dilute = [](double f, double k)
-  {
-    const double b = (k - 1) / (k + 2);
-    return 1 + 3 * f * b / (1 - f * b);
-  };
-  for (const Case& c : { Case{ 0.1, 10, 1.2433 }, Case{ 0.3, 10, 1.8877 }, Case{ 0.4, 10, 2.3644 },
-         Case{ 0.1, 0.1, dilute(0.1, 0.1) }, Case{ 0.1, 0.001, dilute(0.1, 0.001) } })
+  for (const Case& c : { Case{ 0.1, 10, 1.243339, 1e-3 }, Case{ 0.3, 10, 1.887740, 1e-3 },
+         Case{ 0.4, 10, 2.364431, 1e-3 }, Case{ 0.1, 0.1, 0.876693, 1e-3 }, Case{ 0.4, 0.1, 0.554625, 1e-3 },
+         Case{ 0.1, 0.001, 0.857316, 1e-3 }, Case{ 0.4, 0.001, 0.490777, 2e-3 }, Case{ 0.3, 1000, 2.326866, 2e-3 } })
   {
     const lbm::AcrossSurface rule = lbm::ruleFor(c.contrast < 1); // the matrix leads across
     std::vector<double> error;
@@ -103,7 +100,33 @@ TEST(SurfaceShares, SpheresComeNearerAndCanBeExtrapolated)
     // of order 1 or better, in one direction
     EXPECT_LT(std::abs(error[1]), 0.75 * std::abs(error[0])) << c.fraction << " " << c.contrast;
     EXPECT_LT(std::abs(error[2]), 0.75 * std::abs(error[1])) << c.fraction << " " << c.contrast;
-    EXPECT_LT(std::abs((2 * values[2] - values[1]) / c.exact - 1), 1e-3) << c.fraction << " " << c.contrast;
+    EXPECT_LT(std::abs((2 * values[2] - values[1]) / c.exact - 1), c.within) << c.fraction << " " << c.contrast;
+  }
+}
+
+TEST(SurfaceShares, ThreeSizesExtrapolateTo1e3AndTheBarHolds)
+{
+  // truths as above; measured: 0.07 % at 0.3, 1000, else 0.03 % at most. Of the first two sizes alone it was 0.14 %.
+  struct Case
+  {
+    double fraction, contrast, exact;
+  };
+  for (const Case& c : { Case{ 0.4, 0.001, 0.490777 }, Case{ 0.4, 0.1, 0.554625 }, Case{ 0.4, 10, 2.364431 },
+         Case{ 0.3, 1000, 2.326866 } })
+  {
+    PhaseImage image;
+    image.lattice = makeLattice(64, 64, 64, 3, 1.0);
+    for (const double s : sphereShares(64, c.fraction))
+      image.phase.push_back(static_cast<std::uint8_t>(std::lround(s * (levels - 1))));
+    lbm::StudyOptions o;
+    o.axes = { 0 };
+    o.steady.stencil = lbm::Stencil::D3Q7;
+    o.steady.sides = lbm::Sides::Mixed;
+    o.steady.tolerance = 1e-7;
+    o.steady.fieldTolerance = std::numeric_limits<double>::infinity();
+    const auto answer = lbm::studyShares(image, shareById(), 1, c.contrast, o, MPI_COMM_SELF).front();
+    EXPECT_NEAR(answer.error.extrapolated, c.exact, 1e-3 * c.exact) << c.fraction << " " << c.contrast;
+    EXPECT_NEAR(answer.result.effective[0], c.exact, answer.error.relative * c.exact) << c.contrast;
   }
 }
 
@@ -116,6 +139,26 @@ TEST(SurfaceShares, EveryMethodTakesTheTable)
   for (const auto method : { lbm::Method::LeanMultigrid, lbm::Method::PieceMultigrid, lbm::Method::Multigrid })
     EXPECT_NEAR(conductivity(lattice, share, 1, 0.05, lbm::AcrossSurface::Parallel, 0, method), exact, 1e-6 * exact)
       << lbm::name(method);
+}
+
+TEST(SurfaceShares, ExtremeContrastsDoNotEndOnRoundOff)
+{
+  // lean multigrid's energy, and pieces', rises here by round-off; twice in turn was once taken for an error below 0,
+  // and values off by 3e-5, 2e-2 and 6e-4 for done
+  struct Case
+  {
+    std::int64_t n;
+    double fraction, contrast;
+  };
+  for (const Case& c : { Case{ 40, 0.25, 1e6 }, Case{ 48, 0.1, 1e7 }, Case{ 32, 0.3, 1e7 } })
+  {
+    const auto share = sphereShares(c.n, c.fraction);
+    const Lattice lattice = makeLattice(c.n, c.n, c.n, 3, 1.0);
+    const auto found = [&](lbm::Method method)
+    { return conductivity(lattice, share, 1, c.contrast, lbm::AcrossSurface::Series, 0, method); };
+    const double exact = found(lbm::Method::Multigrid);
+    EXPECT_NEAR(found(lbm::Method::Auto), exact, 1e-6 * exact) << c.n;
+  }
 }
 
 TEST(SurfaceShares, WhatDoesNotFitIsRefused)

@@ -182,7 +182,9 @@ public:
             fail(result, singlePrecision);
           break;
         }
-      slow = rate > slowest || rate < 0 ? slow + 1 : 0;
+      // A cycle does not raise the energy but by round-off, which tells nothing of what is left.
+      const bool rises = fall < 0;
+      slow = rate > slowest || rate < 0 || rises ? slow + 1 : 0;
       if (slow == patience)
       {
         const bool rounded = std::abs(fall) <= mayBeRoundOff;
@@ -194,7 +196,7 @@ public:
       if (std::isnan(rateBefore))
         continue;
       const double next = std::max({ Correction::leastRate, rate, 2 * rate - rateBefore });
-      result.solverError = rate > 0 && next < 1 ? safety * fall * next / (1 - next) : 1.0;
+      result.solverError = rate > 0 && next < 1 && !rises ? safety * fall * next / (1 - next) : 1.0;
       reportProgress(options, problem_.comm, progressOf(result.solverError, target), "solving");
       if (result.solverError <= target && slow == 0)
         break;
