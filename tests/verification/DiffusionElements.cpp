@@ -25,13 +25,15 @@ struct Scene
   lbm::DirectedDiffusivity diffusivity;
 };
 
-lbm::SteadyResult solveElements(const Scene& scene, int axis, lbm::Sides sides, double tolerance = 1e-9, int threads = 1)
+lbm::SteadyResult solveElements(
+  const Scene& scene, int axis, lbm::Sides sides, double tolerance = 1e-9, int threads = 1)
 {
-  lbm::SteadyOptions o = optionsOf(scene.image, { .axis = axis, .sides = sides, .tolerance = tolerance, .threads = threads });
+  lbm::SteadyOptions o =
+    optionsOf(scene.image, { .axis = axis, .sides = sides, .tolerance = tolerance, .threads = threads });
   o.stencil = lbm::Stencil::Q1;
   o.directed = std::make_shared<lbm::DirectedDiffusivity>(scene.diffusivity);
-  lbm::SteadyDiffusion solver(
-    scene.image.lattice, decompose(scene.image.lattice, MPI_COMM_SELF), scene.image.phase, scene.diffusivity.larger(), o);
+  lbm::SteadyDiffusion solver(scene.image.lattice, decompose(scene.image.lattice, MPI_COMM_SELF), scene.image.phase,
+    scene.diffusivity.larger(), o);
   return solver.solve(axis);
 }
 
@@ -73,7 +75,8 @@ TEST(Elements, LayersAreExact)
         for (std::int64_t z = 0; z < nz; ++z)
           for (std::int64_t y = 0; y < 12; ++y)
             for (std::int64_t x = 0; x < 9; ++x)
-              scene.image.phase[static_cast<std::size_t>(i++)] = std::array{ x, y, z }[static_cast<std::size_t>(across)] % 3 == 0 ? 1 : 0;
+              scene.image.phase[static_cast<std::size_t>(i++)] =
+                std::array{ x, y, z }[static_cast<std::size_t>(across)] % 3 == 0 ? 1 : 0;
         for (int axis = 0; axis < (nz > 1 ? 3 : 2); ++axis)
         {
           const auto r = solveElements(scene, axis, sides);
@@ -113,8 +116,8 @@ Scene laminate(std::int64_t n, const std::array<int, 3>& waves, double contrast,
           for (int b = 0; b < each; ++b)
             for (int a = 0; a < each; ++a)
             {
-              const Eigen::Vector3d p(static_cast<double>(x) + (a + 0.5) / each, static_cast<double>(y) + (b + 0.5) / each,
-                static_cast<double>(z) + (c + 0.5) / each);
+              const Eigen::Vector3d p(static_cast<double>(x) + (a + 0.5) / each,
+                static_cast<double>(y) + (b + 0.5) / each, static_cast<double>(z) + (c + 0.5) / each);
               const double phase = h * p.dot(normal) + 0.137;
               inside += phase - std::floor(phase) < 0.5 ? 1 : 0;
             }

@@ -132,8 +132,9 @@ TEST(Lean, LaminatesAreExact)
   for (const double contrast : { 2.0, 1000.0, 1e6 })
   {
     const std::vector<double> d{ 1.0, 1 / contrast };
-    EXPECT_NEAR(valueOnly(image, d, { .axis = 0, .method = lean, .tolerance = 1e-8 }, world()).effective[0],
-      2 / (1 + contrast), 1e-7 / contrast); // of its planes, of the field single precision
+    const double told = contrast > 1000 ? 1e-6 : 1e-8; // of the field single precision, of its planes less
+    EXPECT_NEAR(valueOnly(image, d, { .axis = 0, .method = lean, .tolerance = told }, world()).effective[0],
+      2 / (1 + contrast), 1e-7 / contrast);
     EXPECT_NEAR(valueOnly(image, d, { .axis = 1, .method = lean, .tolerance = 1e-8 }, world()).effective[1],
       0.5 * (1 + 1 / contrast), 1e-12);
   }
@@ -243,9 +244,9 @@ void comparePieces(const PhaseImage& image, const std::vector<double>& d, Case s
   EXPECT_TRUE(exact.method == lbm::Method::Multigrid || exact.method == lbm::Method::AlgebraicMultigrid);
   const auto a = static_cast<std::size_t>(s.axis);
   s.method = pieces;
-  // single precision leaves 2e-6 where 1e5 is insulated
+  // single precision leaves 2e-6 where 1e5 is insulated, and tells several times that
   const bool extreme = *std::ranges::min_element(d) > 0 && *std::ranges::min_element(d) <= 1e-4;
-  for (const double tolerance : { 1e-3, extreme ? 1e-5 : 1e-6 })
+  for (const double tolerance : { 1e-3, extreme ? 5e-5 : 1e-6 })
   {
     s.tolerance = tolerance;
     const auto r = valueOnly(image, d, s);
