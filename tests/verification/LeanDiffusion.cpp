@@ -239,22 +239,22 @@ constexpr auto pieces = lbm::Method::PieceMultigrid;
 
 void comparePieces(const PhaseImage& image, const std::vector<double>& d, Case s)
 {
-  s.tolerance = 1e-10;
+  s.tolerance = 1e-11;
   const auto exact = solve(image, d, s); // in double precision, for its field is wanted
   EXPECT_TRUE(exact.method == lbm::Method::Multigrid || exact.method == lbm::Method::AlgebraicMultigrid);
   const auto a = static_cast<std::size_t>(s.axis);
   s.method = pieces;
-  // single precision leaves 2e-6 where 1e5 is insulated, and tells several times that
-  const bool extreme = *std::ranges::min_element(d) > 0 && *std::ranges::min_element(d) <= 1e-4;
-  for (const double tolerance : { 1e-3, extreme ? 5e-5 : 1e-6 })
+  // single precision leaves 2e-6 where 1e5 is insulated: what is asked for beyond is refined in double
+  for (const double tolerance : { 1e-3, 1e-6, 1e-9 })
   {
     s.tolerance = tolerance;
     const auto r = valueOnly(image, d, s);
     EXPECT_EQ(r.method, pieces);
-    EXPECT_LE(std::abs(r.effective[a] / exact.effective[a] - 1), r.solverError) << s.axis << " " << d[0] << " " << d[1];
+    EXPECT_LE(std::abs(r.effective[a] / exact.effective[a] - 1), r.solverError + 2e-10)
+      << s.axis << " " << d[0] << " " << d[1];
     EXPECT_LE(r.solverError, tolerance);
     EXPECT_LE(r.balance, tolerance);
-    EXPECT_LE(r.iterations, 14);
+    EXPECT_LE(r.iterations, tolerance < 1e-3 ? 30 : 14);
     if (d[0] == 0)
       EXPECT_EQ(r.stored, exact.stored);
   }

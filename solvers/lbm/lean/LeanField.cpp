@@ -98,7 +98,8 @@ LeanField::LeanField(const Problem& problem)
 
 std::size_t LeanField::bytes() const noexcept
 {
-  return v_.size() * sizeof(float) + phases_.bytes() + pairs_.size() * (sizeof(double) + sizeof(float));
+  return (v_.size() + source_.size()) * sizeof(float) + phases_.bytes() +
+    pairs_.size() * (sizeof(double) + sizeof(float));
 }
 
 std::int64_t LeanField::along(std::int64_t y, std::int64_t z) const noexcept
@@ -133,7 +134,7 @@ RowSide LeanField::side(std::int64_t y, std::int64_t z, int part, int axis, int 
 {
   const Grid& g = level_.grid;
   const bool ours = axis == 1 ? (step < 0 ? y > 0 : y < g.ny - 1) : (step < 0 ? z > 0 : z < g.nz - 1);
-  const bool falls = problem_.axis == axis;
+  const bool falls = problem_.axis == axis && source_.empty();
   const float sign = step < 0 ? 1.0F : -1.0F;
   const auto factor = static_cast<float>(links_.factor(axis));
   if (ours || level_.halo.inside(axis, step))
@@ -144,7 +145,7 @@ RowSide LeanField::side(std::int64_t y, std::int64_t z, int part, int axis, int 
       false };
   }
   const bool wall = links_.boundary(axis) == Boundary::Fixed;
-  return { phases_(y, z), nothing_.data(), wall ? 2.0F * factor : 0.0F, wall ? 0.5F * sign : 0.0F, true };
+  return { phases_(y, z), nothing_.data(), wall ? 2.0F * factor : 0.0F, wall && falls ? 0.5F * sign : 0.0F, true };
 }
 
 PhaseRow LeanField::row(std::int64_t y, std::int64_t z, int part) const
@@ -152,10 +153,10 @@ PhaseRow LeanField::row(std::int64_t y, std::int64_t z, int part) const
   const Grid& g = level_.grid;
   const float* v = v_.data() + g.row(y, z);
   const std::uint8_t* phase = phases_(y, z);
-  const bool falls = problem_.axis == 0;
+  const bool falls = problem_.axis == 0 && source_.empty();
   PhaseRow r{ g.nx, part, phase, v + g.shift(part, -1), v + g.shift(part, 0), v + g.shift(part, 1),
     falls ? -1.0F : 0.0F, {}, {},
-    { side(y, z, part, 1, -1), side(y, z, part, 1, 1), side(y, z, part, 2, -1), side(y, z, part, 2, 1) } };
+    { side(y, z, part, 1, -1), side(y, z, part, 1, 1), side(y, z, part, 2, -1), side(y, z, part, 2, 1) }, nullptr };
   r.low = { phase[0], 0.0F, 0.0F, 0.0F };
   r.high = { phase[g.nx - 1], 0.0F, 0.0F, 0.0F };
   if (links_.boundary(0) == Boundary::Periodic)
@@ -165,9 +166,10 @@ PhaseRow LeanField::row(std::int64_t y, std::int64_t z, int part) const
   }
   else if (links_.boundary(0) == Boundary::Fixed)
   {
-    r.low = { phase[0], 0.0F, 2.0F, 0.5F };
-    r.high = { phase[g.nx - 1], 0.0F, 2.0F, -0.5F };
+    r.low = { phase[0], 0.0F, 2.0F, falls ? 0.5F : 0.0F };
+    r.high = { phase[g.nx - 1], 0.0F, 2.0F, falls ? -0.5F : 0.0F };
   }
+  r.source = source_.empty() ? nullptr : source_.data() + g.row(y, z) + g.shift(part, 0);
   return r;
 }
 
@@ -461,6 +463,28 @@ void LeanField::apply(const PlaneBalance& balance)
   exchange();
 }
 
+void LeanField::startCorrection()
+{
+  source_.assign(v_.size(), 0.0F);
+  std::fill(v_.begin(), v_.end(), 0.0F);
+}
+
+void LeanField::setResidual(std::int64_t y, std::int64_t z, const double* residual)
+{
+  const Grid& g = level_.grid;
+  float* out = source_.data() + g.row(y, z);
+  for (std::int64_t x = 0; x < g.nx; ++x)
+    out[g.node(x)] = static_cast<float>(residual[x]);
+}
+
+void LeanField::addRow(std::int64_t y, std::int64_t z, double unit, double* u) const
+{
+  const Grid& g = level_.grid;
+  const float* v = v_.data() + g.row(y, z);
+  for (std::int64_t x = 0; x < g.nx; ++x)
+    u[x] += unit * static_cast<double>(v[g.node(x)]);
+}
+
 void LeanField::value(std::span<double> out) const
 {
   const Grid& g = level_.grid;
@@ -492,12 +516,7 @@ void LeanField::flux(std::span<double> out) const
   const double unit = 1.0 / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]);
   for (std::int64_t z = 0; z < g.nz; ++z)
     for (std::int64_t y = 0; y < g.ny; ++y)
-    {
-      double* u = field.rowValues(y, z);
-      const float* v = v_.data() + g.row(y, z);
-      for (std::int64_t x = 0; x < g.nx; ++x)
-        u[x] += unit * static_cast<double>(v[g.node(x)]);
-    }
+      addRow(y, z, unit, field.rowValues(y, z));
   (void)field.evaluate([](std::int64_t, std::int64_t, const double*) {}); // its ghosts
   field.flux(out);
 }

@@ -56,6 +56,13 @@ public:
   [[nodiscard]] double roundOff() const;
   void apply(const PlaneBalance& balance);
 
+  /// From now on the field is the correction of another one, u, whose residual takes the place of the mean gradient;
+  /// it begins at 0. Four bytes a node more.
+  void startCorrection();
+  void setResidual(std::int64_t y, std::int64_t z, const double* residual);
+  /// u[x] += unit × v of a row.
+  void addRow(std::int64_t y, std::int64_t z, double unit, double* u) const;
+
   void value(std::span<double> out) const;
   void flux(std::span<double> out) const;
   [[nodiscard]] const Links& links() const noexcept { return links_; }
@@ -83,6 +90,7 @@ private:
   std::vector<float> pairsSingle_;
   PhaseLinks table_;
   FloatArray v_;
+  FloatArray source_;               ///< empty: the mean gradient alone
   FloatArray nothing_;              ///< a row of zeros, the value of walls
   std::vector<double> conductance_; ///< of each plane across the direction, all ranks
   std::int64_t tileY_ = 1;

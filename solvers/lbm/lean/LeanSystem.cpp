@@ -1,6 +1,8 @@
 #include "lbm/lean/LeanSystem.h"
 
 #include "core/Error.h"
+#include "core/Memory.h"
+#include "lbm/BoxField.h"
 #include "lbm/Connectivity.h"
 #include "lbm/lean/LeanField.h"
 #include "lbm/lean/Pieces.h"
@@ -9,6 +11,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -27,6 +30,8 @@ constexpr double leastTarget = 1e-13;
 constexpr const char* singlePrecision = "single precision is too little here: ";
 // What is left of a series that is nearly geometric is known from its last terms; it is taken times `safety`.
 constexpr double safety = 4;
+// For each residual in double; more are wasted on what single precision keeps of it.
+constexpr int cyclesAResidual = 2;
 // For the first estimate.
 constexpr double first = 3;
 // No cycle leaves less than this part of the energy's excess.
@@ -190,7 +195,7 @@ public:
         {
           result.solverError = amplification * noise;
           if (result.solverError > target)
-            fail(result, singlePrecision);
+            return refined(result, target);
           break;
         }
       // A cycle does not raise the energy but by round-off, which tells nothing of what is left.
@@ -198,8 +203,11 @@ public:
       slow = rate > slowest || rate < 0 || rises ? slow + 1 : 0;
       if (slow == patience)
       {
-        const bool rounded = std::abs(fall) <= mayBeRoundOff;
+        const bool rounded =
+          std::abs(fall) <= std::max(mayBeRoundOff, 10 * amplification * field_.roundOff() / sums.energy);
         result.solverError = rounded ? safety * std::abs(fall) : 1.0;
+        if (rounded && Correction::method == Method::PieceMultigrid)
+          return refined(result, target);
         fail(result, rounded ? singlePrecision : Correction::tooMuch);
       }
       // The rate rises to that of the slowest part of the error, by less and less. The first one tells nothing: the
@@ -219,7 +227,7 @@ public:
       const double rest = amplification * field_.roundOff() / sums.energy;
       result.solverError = std::max(result.solverError, rest);
       if (result.solverError > target)
-        fail(result, singlePrecision);
+        return refined(result, target);
       break;
     }
     balance_.emplace(planes, sums.energy, periodic);
@@ -229,7 +237,7 @@ public:
 
   void value(std::span<double> out) const override
   {
-    balancedField().value(out);
+    exact_ ? exact_->value(out) : balancedField().value(out);
     if (!masked_)
       return;
     const bool periodic = problem_.options.sides == Sides::Periodic;
@@ -244,9 +252,79 @@ public:
         out[i] = low ? 1.0 : high ? 0.0 : std::numeric_limits<double>::quiet_NaN();
       });
   }
-  void flux(std::span<double> out) const override { balancedField().flux(out); }
+  void flux(std::span<double> out) const override { exact_ ? exact_->flux(out) : balancedField().flux(out); }
 
 private:
+  // What single precision leaves is taken off in double: cycles for the residual of a field that is, until the energy
+  // falls no more.
+  SteadyResult refined(SteadyResult result, double target)
+  {
+    const double more = static_cast<double>(problem_.parts.block().count()) * 14;
+    if (problem_.comm.any(more > static_cast<double>(availableMemory())))
+      fail(result, singlePrecision);
+    const Problem problem = problemOf(problem_, masked_.get());
+    exact_ = std::make_unique<BoxField>(problem);
+    exact_->setLinearProfile();
+    const auto forRows = [&](auto&& f)
+    {
+      for (std::int64_t z = 0; z < field_.size()[2]; ++z)
+        for (std::int64_t y = 0; y < field_.size()[1]; ++y)
+          f(y, z);
+    };
+    const double unit = 1.0 / static_cast<double>(problem.lattice.size[static_cast<std::size_t>(problem.axis)]);
+    forRows([&](std::int64_t y, std::int64_t z) { field_.addRow(y, z, unit, exact_->rowValues(y, z)); });
+    const bool periodic = problem.options.sides == Sides::Periodic;
+    FieldSums sums;
+    PlaneSums planes;
+    const auto evaluate = [&]
+    {
+      field_.startCorrection();
+      planes = PlaneSums(exact_->planeCount());
+      sums = exact_->evaluate(
+        [&](std::int64_t y, std::int64_t z, const double* r) { field_.setResidual(y, z, r); }, &planes);
+      return PlaneBalance(planes, sums.energy, periodic).energy;
+    };
+    double energy = evaluate();
+    double fall = 0;
+    std::array<double, 3> rates{ 1, 1, 1 };
+    int slow = 0;
+    result.bytes += static_cast<std::uint64_t>(problem_.comm.sum(
+      static_cast<std::int64_t>(exact_->bytes() + 4 * static_cast<std::size_t>(problem_.parts.block().count()))));
+    for (;;)
+    {
+      if (result.iterations >= problem.options.maxIterations)
+        fail(result, "");
+      for (int cycle = 0; cycle < cyclesAResidual; ++cycle)
+      {
+        field_.relax(fieldSweeps, true);
+        correction_.correct(field_);
+        field_.relax(fieldSweeps, false);
+        ++result.iterations;
+      }
+      forRows([&](std::int64_t y, std::int64_t z) { field_.addRow(y, z, 1.0, exact_->rowValues(y, z)); });
+      const double now = evaluate();
+      if (!std::isfinite(now) || !(now > 0))
+        fail(result, "");
+      const double before = std::exchange(fall, (std::exchange(energy, now) - now) / now);
+      rates = { rates[1], rates[2], before > 0 ? std::abs(fall) / before : 1.0 };
+      const double rate = std::max(std::ranges::max(rates), Correction::leastRate);
+      // where nothing falls any more it is double precision that ends it
+      result.solverError = std::abs(fall) < leastTarget ? leastTarget
+        : rate < 1                                      ? safety * std::abs(fall) * rate / (1 - rate)
+                                                        : 1.0;
+      reportProgress(problem.options, problem.comm, progressOf(result.solverError, target), "solving");
+      if (result.solverError <= target)
+        break;
+      slow = rates[2] > slowest ? slow + 1 : 0;
+      if (slow == 2 * patience)
+        fail(result, Correction::tooMuch);
+    }
+    exact_->apply(PlaneBalance(planes, sums.energy, periodic));
+    (void)evaluate();
+    setEffective(result, sums, problem.lattice, problem.axis, field_.links().scale());
+    return result;
+  }
+
   static Problem problemOf(Problem problem, const Masked* masked)
   {
     if (masked != nullptr)
@@ -326,6 +404,7 @@ private:
   mutable LeanField field_;
   mutable std::optional<PlaneBalance> balance_; ///< not yet applied to the field
   Correction correction_;
+  std::unique_ptr<BoxField> exact_; ///< in double, where single precision was too little
 };
 
 } // namespace

@@ -52,6 +52,7 @@ struct PhaseRow
   RowEnd low;                ///< before x = 0
   RowEnd high;               ///< after x = nx − 1
   RowSide side[4];           ///< south, north, bottom, top
+  const float* source;       ///< of the half, added to the residual; or null
 };
 
 /// Sums over the links east, north and top of a half-row, and over the walls whatever their side.

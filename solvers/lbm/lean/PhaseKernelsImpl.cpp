@@ -91,7 +91,7 @@ inline auto between(const Table& table, int a, int b)
 }
 
 // A Gauss-Seidel half sweep over a half-row, or its residual added to `out`.
-template <class Table, bool Residual>
+template <class Table, bool Residual, bool Sourced>
 void relaxWith(const PhaseLinks& links, const PhaseRow& row, float* out)
 {
   const Table table(links);
@@ -104,12 +104,13 @@ void relaxWith(const PhaseLinks& links, const PhaseRow& row, float* out)
   const float os = row.side[0].offset, on = row.side[1].offset, ob = row.side[2].offset, ot = row.side[3].offset;
   const float *west = row.west, *east = row.east;
   const float step = row.step;
+  const float* source = row.source;
 
   const auto end = [&](std::int64_t i, std::int64_t x)
   {
     const auto node = [&](int id) { return table.link(table.own(row.phase[x]), table.change(row.phase[x]), id); };
     const float u = own[i];
-    float s = 0;
+    float s = Sourced ? row.source[i] : 0.0F;
     float d = 0;
     const auto link = [&](float g, float v, float offset)
     {
@@ -160,8 +161,10 @@ void relaxWith(const PhaseLinks& links, const PhaseRow& row, float* out)
       const float gb = wb * table.link(mine, change, beside(pb, i));
       const float gt = wt * table.link(mine, change, beside(pt, i));
       // differences first: else round-off stops the flux at 1e-6
-      const float s = gw * (west[i] - u - step) + ge * (east[i] - u + step) + gs * (vs[i] - u + os) +
-        gn * (vn[i] - u + on) + gb * (vb[i] - u + ob) + gt * (vt[i] - u + ot);
+      float s = gw * (west[i] - u - step) + ge * (east[i] - u + step) + gs * (vs[i] - u + os) + gn * (vn[i] - u + on) +
+        gb * (vb[i] - u + ob) + gt * (vt[i] - u + ot);
+      if constexpr (Sourced)
+        s += source[i];
       if constexpr (Residual)
         out[i] += s;
       else
@@ -178,20 +181,26 @@ void relaxWith(const PhaseLinks& links, const PhaseRow& row, float* out)
     end(last, nx - 1);
 }
 
+template <bool Residual>
+void relaxOf(const PhaseLinks& links, const PhaseRow& row, float* out)
+{
+  const bool sourced = row.source != nullptr;
+  if (links.two)
+    sourced ? relaxWith<Select<float>, Residual, true>(links, row, out)
+            : relaxWith<Select<float>, Residual, false>(links, row, out);
+  else
+    sourced ? relaxWith<Lookup<float>, Residual, true>(links, row, out)
+            : relaxWith<Lookup<float>, Residual, false>(links, row, out);
+}
+
 void relax(const PhaseLinks& links, const PhaseRow& row, float* own)
 {
-  if (links.two)
-    relaxWith<Select<float>, false>(links, row, own);
-  else
-    relaxWith<Lookup<float>, false>(links, row, own);
+  relaxOf<false>(links, row, own);
 }
 
 void addResidual(const PhaseLinks& links, const PhaseRow& row, float* out)
 {
-  if (links.two)
-    relaxWith<Select<float>, true>(links, row, out);
-  else
-    relaxWith<Lookup<float>, true>(links, row, out);
+  relaxOf<true>(links, row, out);
 }
 
 template <class Table>
