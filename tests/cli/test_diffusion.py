@@ -1,6 +1,8 @@
 """What the numbers on the command line mean."""
 
+import array
 import math
+import pathlib
 import re
 import unittest
 
@@ -314,6 +316,48 @@ class Walls(Case):
         self.works("generate", "softwood", "--size", "20,20,20", "-o", "v.vti")
         self.fails(3, "no point array 'axis'", "lamella micrograph", "diffusion", "v.vti", "--conductivity", "lumen=1",
                    "--conductivity", "wall=1:0.5")
+
+
+class Greys(Case):
+    """Volumes of greys: shares of two phases, or conductivities between greys; voxels that are not cubes."""
+
+    def ball(self, name, kind, of):
+        n = 16
+        share = lambda x, y, z: max(0.0, min(1.0, 6.8 - math.dist((x, y, z), (7.2, 7.7, 7.4))))  # noqa: E731
+        values = array.array(kind, [of(share(x, y, z)) for z in range(n) for y in range(n) for x in range(n)])
+        pathlib.Path(self.folder, name).write_bytes(values.tobytes())
+        return name
+
+    def effective(self, *words):
+        return self.works("diffusion", *words, "--direction", "z", "--sides", "mixed", "--json").json()["effective"]["z"]
+
+    def test_bytes_and_words_give_the_same(self):
+        small = self.ball("s_16x16x16_u8.raw", "B", lambda s: round(40 + 180 * s))
+        large = self.ball("l_16x16x16_u16.raw", "H", lambda s: round(4000 + 57000 * s))
+        shares = ["--conductivity", "low=1,high=10", "--shares"]
+        first = self.effective(small, *shares, "40,220")
+        self.assertAlmostEqual(self.effective(large, *shares, "4000,61000") / first, 1, delta=1e-3)
+        between = self.effective(small, "--conductivity", "40=1,220=10", "--interpolate")
+        self.assertAlmostEqual(self.effective(large, "--conductivity", "4000=1,61000=10", "--interpolate") / between, 1, delta=1e-3)
+        self.assertGreater(between, first)  # a voxel that is half of each conducts as half of each side by side
+        long = self.effective(small, *shares, "40,220", "--pixel-size", "1um", "--slice-distance", "3um")
+        self.assertGreater(long, 1.01 * first)  # along what is longer now
+
+    def test_what_is_refused(self):
+        name = self.ball("s_16x16x16_u8.raw", "B", lambda s: round(40 + 180 * s))
+        fails = lambda code, *rest: self.fails(code, *rest[:2], "diffusion", name, *rest[2:])  # noqa: E731
+        fails(2, "and no pixel size", "give the pixel size", "--interpolate", "--conductivity", "40=1,220=10", "--slice-distance", "2um")
+        for bad in ["0", "-1", "nan", "1e300", "inf"]:
+            self.fails(2, "slice distance", "above 0", "diffusion", name, "--interpolate", "--conductivity", "40=1,220=10", "--pixel-size", "1um",
+                       "--slice-distance=" + bad)
+        fails(2, "voxels with edges of", "a factor of 1000", "--interpolate", "--conductivity", "40=1,220=10", "--pixel-size", "1um", "--slice-distance", "1")
+        fails(2, "one grey alone", "two greys", "--interpolate", "--conductivity", "40=1")
+        fails(2, "'wall', which is no grey", "some greys", "--interpolate", "--conductivity", "40=1,wall=2")
+        fails(2, "interpolated conductivities with shares", "take one of them", "--interpolate", "--conductivity", "40=1,220=2", "--shares", "40,220")
+        fails(2, "go with straight links", "d3q7", "--interpolate", "--conductivity", "40=1,220=2", "--pixel-size", "1um",
+              "--slice-distance", "2um", "--lattice", "d3q19")
+        self.fails(3, "same positive spacing", "resample", "stiffness", name, "--phase", "0..130=void", "--other", "wall", "--young", "wall=1e9",
+                   "--pixel-size", "1um", "--slice-distance", "2um")
 
 
 class Ranks(Case):

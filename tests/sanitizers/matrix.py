@@ -72,6 +72,8 @@ SOLVERS = {
                              "lean-multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.02),
     "diffusion, pieces": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0", "--direction", "z", "--method",
                                "piece-multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.02),
+    "diffusion, elements": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0", "--direction", "x", "--lattice", "q1",
+                                 "--tolerance", "1e-2", "--no-error-estimate", horizons=False, mpi=False, cost=0.05),
     "diffusion, algebraic": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0", "--direction", "z",
                                   "--method", "algebraic-multigrid", "--tolerance", "1e-2", "--no-error-estimate", horizons=False, cost=0.02),
     "diffusion, periodic D3Q19": bonds("diffusion", "--conductivity", "wall=1", "--conductivity", "void=0.1", "--direction", "y", "--lattice",
