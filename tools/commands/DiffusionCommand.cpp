@@ -269,6 +269,7 @@ Command diffusionCommand(CLI::App& root)
     "diffusion", "Effective conductivity of a picture or volume: heat, vapour, anything that diffuses");
   auto o = std::make_shared<DiffusionOptions>();
   addPictureOptions(*app, o->picture);
+  addSliceDistance(*app, o->picture);
   addOption(*app, "Materials", "--conductivity", o->conductivity,
     "Conductivity of a phase, in any unit; 0: it does not conduct. ALONG:ACROSS where it differs along the walls of "
     "a "

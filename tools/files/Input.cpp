@@ -37,8 +37,12 @@ void addPhaseOptions(CLI::App& command, PictureOptions& options)
 
 void addRawOptions(CLI::App& command, PictureOptions& options)
 {
-  options.settings.declareSome(
-    command, reader, { "pixel-size", "slice-distance", "raw-size", "raw-bits", "raw-header" }, "Sample");
+  options.settings.declareSome(command, reader, { "pixel-size", "raw-size", "raw-bits", "raw-header" }, "Sample");
+}
+
+void addSliceDistance(CLI::App& command, PictureOptions& options)
+{
+  options.settings.declareSome(command, reader, { "slice-distance" }, "Sample");
 }
 
 void addPictureOptions(CLI::App& command, PictureOptions& options)

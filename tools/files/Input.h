@@ -26,6 +26,8 @@ struct PictureOptions
 void addPhaseOptions(CLI::App& command, PictureOptions& options);
 void addRawOptions(CLI::App& command, PictureOptions& options);
 void addPictureOptions(CLI::App& command, PictureOptions& options);
+/// Of volumes whose voxels are not cubes, for commands that take them.
+void addSliceDistance(CLI::App& command, PictureOptions& options);
 /// How scans are segmented, but for their lumens, and the words that say so.
 [[nodiscard]] const std::vector<std::string>& scanWords();
 

@@ -31,7 +31,7 @@ const std::map<std::string, std::string>& reports()
       "z} "
       "picture_error picture_errors{x y z} target_error target tensor bounds{series parallel hashin_shtrikman} "
       "iterations setup_seconds solve_seconds method directions{x y z} window warnings segmentation lattice sides "
-      "length tolerance balance solver_error nodes stored skipped solver_bytes" +
+      "length tolerance balance solver_error nodes stored skipped solver_bytes conductivity_rounding slice_distance:m" +
         run },
     { "flux-map",
       "effective{x y z} tensor mean_flux tortuosity{x y z} tortuosity_factor{x y z} streamline_tortuosity{x y z} "

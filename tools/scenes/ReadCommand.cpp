@@ -74,6 +74,7 @@ Command readCommand(CLI::App& root)
   CLI::App* app = root.add_subcommand("read", "Takes a sample from a file");
   auto o = std::make_shared<ReadOptions>();
   addPictureOptions(*app, o->picture);
+  addSliceDistance(*app, o->picture);
   std::vector<std::string> words = scanWords();
   std::erase(words, "threshold"); // is there
   o->picture.settings.declareSome(*app, "vtkPictureReader", words, "Scan");
