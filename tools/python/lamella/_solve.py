@@ -6,7 +6,7 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
-from ._arrays import told
+from ._arrays import to_image, told
 from ._errors import entries, run
 from ._samples import ImageBase, from_array
 from ._settings import Settings, declared
@@ -96,7 +96,8 @@ def run_on(image, algorithm, settings, progress=None):
 def diffusion(image: Image, settings: Settings, progress: Progress | None = None) -> DiffusionResult:
     """Solves steady diffusion and returns a DiffusionResult.
 
-    image           a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers
+    image           a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers; with ``shares`` or
+                    ``interpolate`` an array of greys of any type
     progress        called as progress(share, text); return False to cancel (raises Cancelled)
 
     What is not asked for, field or flux, is not computed. A conductivity may be (along, across) where it differs along the
@@ -114,4 +115,6 @@ def diffusion(image: Image, settings: Settings, progress: Progress | None = None
     given.update(conductivity=along, conductivity_across=across)
     if given.get("method") == "algebraic":  # as it was called
         given["method"] = "algebraic-multigrid"
+    if (given.get("shares") or given.get("interpolate")) and not isinstance(image, (ImageBase, vtkImageData)):
+        image = to_image(image, 1.0, "grey")
     return DiffusionResult(run_on(image, vtkSteadyDiffusion(), settings, progress).GetOutput())
