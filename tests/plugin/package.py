@@ -425,6 +425,20 @@ class Grains(unittest.TestCase):
 
 
 class Diffusion(unittest.TestCase):
+    def test_greys_of_any_type(self):
+        greys = np.random.default_rng(1).random((12, 10, 14))
+        words = {"conductivity": {0: 1, 1: 5}, "interpolate": True, "estimate_error": False, "field": False, "flux": False}
+        between = np.diag(lamella.diffusion(greys, **words).effective)
+        np.testing.assert_allclose(np.diag(lamella.diffusion(greys.astype(np.float32), **words).effective), between, rtol=1e-4)
+        words["conductivity"] = {0: 1, 60000: 5}
+        np.testing.assert_allclose(np.diag(lamella.diffusion((60000 * greys).astype(np.uint16), **words).effective), between, rtol=1e-3)
+        shares = lamella.diffusion(greys, {"low": 1, "high": 5}, shares=(0, 1), estimate_error=False)
+        self.assertGreater(shares.effective[0, 0], 1)
+        with self.assertRaisesRegex(lamella.LamellaError, "no numbers"):
+            lamella.diffusion(np.where(greys > 0.99, np.nan, greys), {0: 1, 1: 5}, interpolate=True)
+        with self.assertRaisesRegex(ValueError, "complex"):
+            lamella.diffusion(greys.astype(complex), {0: 1, 1: 5}, interpolate=True)
+
     def test_laminate_is_exact(self):
         layers = np.repeat([0, 1], 10)[:, None] * np.ones((1, 30), int)  # the lower half conducts ten times better
         result = lamella.diffusion(layers, {0: 1, 1: 10}, tolerance=1e-10, estimate_error=True)

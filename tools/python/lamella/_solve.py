@@ -6,7 +6,7 @@ import numpy as np
 from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays
-from ._arrays import to_image, told
+from ._arrays import checked, image_of, told
 from ._errors import entries, run
 from ._samples import ImageBase, from_array
 from ._settings import Settings, declared
@@ -116,5 +116,5 @@ def diffusion(image: Image, settings: Settings, progress: Progress | None = None
     if given.get("method") == "algebraic":  # as it was called
         given["method"] = "algebraic-multigrid"
     if (given.get("shares") or given.get("interpolate")) and not isinstance(image, (ImageBase, vtkImageData)):
-        image = to_image(image, 1.0, "grey")
+        image = image_of(checked(image, "the grey image", "give real numbers"), 1.0, "phase")
     return DiffusionResult(run_on(image, vtkSteadyDiffusion(), settings, progress).GetOutput())
