@@ -18,6 +18,9 @@ public:
   GreyTable(const std::map<std::string, double>& given, const std::string& quantity);
 
   [[nodiscard]] double value(double grey) const noexcept;
+  /// The outermost greys that were given.
+  [[nodiscard]] double lowest() const noexcept { return grey_.front(); }
+  [[nodiscard]] double highest() const noexcept { return grey_.back(); }
   /// Bins of greys, narrow where the value changes by much of itself: what is below a millionth of the largest counts
   /// as 0.
   [[nodiscard]] GreyBins bins() const;

@@ -351,6 +351,8 @@ class Greys(Case):
             self.fails(2, "slice distance", "above 0", "diffusion", name, "--interpolate", "--conductivity", "40=1,220=10", "--pixel-size", "1um",
                        "--slice-distance=" + bad)
         fails(2, "voxels with edges of", "a factor of 1000", "--interpolate", "--conductivity", "40=1,220=10", "--pixel-size", "1um", "--slice-distance", "1")
+        fails(3, "no grey lies between 300 and 400: all are below", "lamella info", "--interpolate", "--conductivity", "300=1,400=10")
+        fails(3, "no grey lies between 1 and 2: all are above", "lamella info", "--interpolate", "--conductivity", "1=1,2=10")
         fails(2, "one grey alone", "two greys", "--interpolate", "--conductivity", "40=1")
         fails(2, "'wall', which is no grey", "some greys", "--interpolate", "--conductivity", "40=1,wall=2")
         fails(2, "interpolated conductivities with shares", "take one of them", "--interpolate", "--conductivity", "40=1,220=2", "--shares", "40,220")

@@ -439,15 +439,27 @@ void vtkSteadyDiffusion::TakeGreys(const lamella::DiffusionScene& scene, const l
   for (std::size_t bin = 0; binned && bin < bins.count(); ++bin)
     binned = scene.phases.names[bin] == bins.name(bin);
   found.rounding = binned ? table.rounding() : 0.0;
-  for (const std::string& name : scene.phases.names)
+  bool below = true; // all that there are
+  bool above = true;
+  for (std::size_t id = 0; id < scene.phases.names.size(); ++id)
   {
+    const std::string& name = scene.phases.names[id];
     const std::optional<double> grey = lamella::toNumber(name);
     if (!grey)
       throw lamella::ParameterError(
         "conductivities interpolated between greys for an image whose phases have names, as '" + name + "'",
         "give the grey image itself, and no names of phases");
     found.conductivity.push_back(table.value(*grey));
+    if (scene.nodes[id] > 0)
+    {
+      below = below && *grey <= table.lowest();
+      above = above && *grey >= table.highest();
+    }
   }
+  if (below || above)
+    throw lamella::InputError(fmt::format("no grey lies between {:g} and {:g}: all are {}", table.lowest(),
+                                table.highest(), below ? "below" : "above"),
+      "give the conductivities of greys that the image has; lamella info tells them");
 }
 
 // What the greys say of the two phases.
