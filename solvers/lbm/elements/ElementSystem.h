@@ -19,7 +19,7 @@ namespace lamella::lbm
 /// ElementMultigrid; at the end PlaneBalance makes both faces' fluxes equal to the energy. Voxels conduct to those
 /// that they share an edge or a corner with; a path across the box must lead over their faces.
 ///
-/// Memory: 75 bytes a voxel, 130 a pixel, axes included. One rank.
+/// Memory: 52 bytes a voxel, 24 more with axes; pictures have two layers of nodes. One rank.
 ///
 /// @throws NoPathError; ParameterError: several ranks, tensors that do not fit, a directed phase's node without an axis
 [[nodiscard]] std::unique_ptr<Backend> makeElementSystem(const Problem& problem);
