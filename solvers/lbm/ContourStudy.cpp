@@ -1,15 +1,19 @@
 #include "core/Clock.h"
 #include "core/Error.h"
+#include "lbm/Bounds.h"
 #include "lbm/ContourDiffusion.h"
 #include "outlines/ContourMeasures.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <memory>
+#include <numeric>
 #include <optional>
+#include <span>
 
 namespace lamella::lbm
 {
@@ -69,6 +73,8 @@ private:
     make.across = true;
     make.grain = false;
     micrograph::ContourLattice made = micrograph::contourLattice(fitted.contours, make);
+    if (&contours == &contours_)
+      setBounds(made.lumenShare);
     if (options_.phases)
       options_.phases(fitted, made);
     const Lattice& lattice = made.image.lattice;
@@ -192,13 +198,29 @@ private:
     }
   }
 
+  // Whatever the shape of the lumens; walls may be of several phases.
+  void setBounds(std::span<const float> lumenShare)
+  {
+    const auto& k = options_.conductivity;
+    if (k.size() < 2)
+      return;
+    const double lumen =
+      std::accumulate(lumenShare.begin(), lumenShare.end(), 0.0) / static_cast<double>(lumenShare.size());
+    const auto [least, most] = std::minmax_element(k.begin() + 1, k.end());
+    const std::array<double, 2> share{ lumen, 1 - lumen };
+    series_ = bounds(share, std::array{ k[0], *least }, 2).series;
+    parallel_ = bounds(share, std::array{ k[0], *most }, 2).parallel;
+  }
+
   void judge(ContourAnswer& answer) const
   {
     const double before = before_[static_cast<std::size_t>(&answer - answers_.data())];
     const double change = std::abs(answer.fine.value - answer.coarse.value);
     const double earlier = std::isfinite(before) ? std::abs(answer.coarse.value - before) / 3 : 0;
     answer.value = 2 * answer.fine.value - answer.coarse.value;
-    answer.latticeError = std::max(change, earlier) / answer.value;
+    // walls far below a spacing: what lies outside of the bounds errs by that at least, and as likely by more
+    const double outside = std::max({ answer.value - parallel_, series_ - answer.value, 0.0 });
+    answer.latticeError = std::max({ change, earlier, 2 * outside }) / answer.value;
     answer.error = std::sqrt(answer.latticeError * answer.latticeError + answer.pictureError * answer.pictureError);
   }
 
@@ -250,6 +272,8 @@ private:
   MPI_Comm comm_;
   Lattice first_;
   int multiple_ = 2;
+  double series_ = 0;
+  double parallel_ = std::numeric_limits<double>::infinity();
   std::vector<double> before_; ///< values on the lattice before `coarse`, one an axis
   std::vector<ContourAnswer> answers_;
 };

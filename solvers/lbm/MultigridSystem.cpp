@@ -118,7 +118,7 @@ public:
       throw DivergenceError(fmt::format("the flux through the faces differs from the effective one by {:.1e} of it "
                                         "after {} iterations",
                               result.balance, result.iterations),
-        beyondDouble);
+        PlaneBalance::beyondDouble);
     if (result.balance > tolerance || !(result.solverError >= 0))
       result.solverError = result.balance;
     return result;
@@ -220,17 +220,12 @@ private:
     }
   }
 
-  // The least energy of all fields that it chooses from, unless it chose by fluxes that are round-off.
   void balancePlanes(const PlaneSums& planes, FieldSums& sums)
   {
     const double before = sums.energy;
     field_.apply(PlaneBalance(planes, before, problem_.options.sides == Sides::Periodic));
     sums = evaluate();
-    if (!(sums.energy <= before * (1 + loosestBalance)))
-      throw DivergenceError(
-        fmt::format(
-          "the flux is round-off: the planes of nodes say {:.1e} times as much as the field", sums.energy / before),
-        beyondDouble);
+    PlaneBalance::requireGain(before, sums.energy);
   }
 
   // The residual, in units of its first norm, takes the place of what is in r_. `drift`: how far that was off.

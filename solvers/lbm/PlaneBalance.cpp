@@ -1,5 +1,9 @@
 #include "lbm/PlaneBalance.h"
 
+#include "core/Error.h"
+
+#include <fmt/format.h>
+
 #include <cstddef>
 
 namespace lamella::lbm
@@ -57,6 +61,14 @@ PlaneBalance::PlaneBalance(const PlaneSums& sums, double fieldEnergy, bool perio
     ahead -= fall - (periodic ? 1.0 : factor) * linear(i);
     shift[i] = ahead;
   }
+}
+
+void PlaneBalance::requireGain(double before, double after)
+{
+  if (!(after <= before * (1 + loosest)))
+    throw DivergenceError(
+      fmt::format("the flux is round-off: the planes of nodes say {:.1e} times as much as the field", after / before),
+      beyondDouble);
 }
 
 } // namespace lamella::lbm

@@ -39,6 +39,13 @@ struct PlaneBalance
   /// @param onFaces   the outer layers of nodes lie on the faces, are held, and are none of the layers; so all planes
   ///                  are one spacing wide
   PlaneBalance(const PlaneSums& sums, double energy, bool periodic, bool onFaces = false);
+
+  /// A balance has the least energy of all fields that it chooses from, unless it chose by fluxes that are round-off.
+  /// @throws DivergenceError: `after` exceeds `before` by more than `loosest`
+  static void requireGain(double before, double after);
+  static constexpr double loosest = 1e-3;
+  static constexpr const char* beyondDouble = "a contrast near 1e16 is beyond double precision: give the phases that "
+                                              "conduct least 0, or those that conduct best less";
 };
 
 } // namespace lamella::lbm

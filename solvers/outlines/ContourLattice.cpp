@@ -164,9 +164,11 @@ void warnOfThinWalls(ContourLattice& result)
   const double nodes = result.thickness.low / result.image.lattice.spacing;
   if (result.thickness.low > 0 && nodes < 2)
   {
+    const double median = result.thickness.median / result.image.lattice.spacing;
     result.warnings.push_back(fmt::format(
-      "walls are {:.2g} nodes thick in 5 % of their length (median {:.2g}): take a spacing of {:.2g} m or less", nodes,
-      result.thickness.median / result.image.lattice.spacing, result.thickness.low / 4));
+      "walls are {:.2g} nodes thick in 5 % of their length (median {:.2g}){}: take a spacing of {:.2g} m or "
+      "less",
+      nodes, median, median < 1 ? ", so that errors may exceed what is told" : "", result.thickness.low / 4));
   }
 }
 

@@ -423,6 +423,7 @@ private:
           double& value = v_[static_cast<std::size_t>(box.row(y, z) + x)];
           value = best.factor * value + shift(axis == 0 ? x : axis == 1 ? y : z);
         }
+    PlaneBalance::requireGain(s.all.energy, sums().energy);
   }
 
   Problem problem_;

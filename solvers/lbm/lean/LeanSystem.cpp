@@ -230,6 +230,8 @@ public:
         return refined(result, target);
       break;
     }
+    if (!(energy <= sums.energy * (1 + PlaneBalance::loosest))) // the planes' fluxes are round-off
+      return refined(result, target);
     balance_.emplace(planes, sums.energy, periodic);
     setEffective(result, balanced(sums, planes), problem_.lattice, problem_.axis, field_.links().scale());
     return result;
@@ -319,8 +321,10 @@ private:
       if (slow == 2 * patience)
         fail(result, Correction::tooMuch);
     }
-    exact_->apply(PlaneBalance(planes, sums.energy, periodic));
+    const double unbalanced = sums.energy;
+    exact_->apply(PlaneBalance(planes, unbalanced, periodic));
     (void)evaluate();
+    PlaneBalance::requireGain(unbalanced, sums.energy);
     setEffective(result, sums, problem.lattice, problem.axis, field_.links().scale());
     return result;
   }
