@@ -39,6 +39,8 @@ struct Problem
     const auto wraps = [b = boundary()](int a) { return b[a] == Boundary::Periodic; };
     return { wraps(0), wraps(1), wraps(2) && lattice.dimension == 3 };
   }
+  /// Largest over least of what conducts: phases, or links where they are given one by one.
+  [[nodiscard]] double contrast() const;
 };
 
 /// One way of solving the system of one direction.

@@ -74,6 +74,27 @@ const char* name(Method method) noexcept
   return "";
 }
 
+double Problem::contrast() const
+{
+  double least = std::numeric_limits<double>::infinity();
+  double most = 0;
+  const auto see = [&](std::span<const double> values)
+  {
+    for (const double k : values)
+      if (k > 0)
+      {
+        least = std::min(least, k);
+        most = std::max(most, k);
+      }
+  };
+  if (table != nullptr)
+    for (const auto* links : { &table->x, &table->y, &table->rising, &table->falling })
+      see(*links);
+  else
+    see(diffusivity);
+  return most / least;
+}
+
 void setEffective(SteadyResult& result, const FieldSums& sums, const Lattice& lattice, int axis, double scale)
 {
   const double n = static_cast<double>(lattice.size[axis]);
@@ -165,13 +186,16 @@ struct SteadyDiffusion::Impl
       case Method::LeanMultigrid:
         if (!lean)
           refuse(Method::LeanMultigrid,
-            ": it needs straight links, 8 rows a rank, spacings within a ratio of 2, and an even number of nodes where "
-            "sides are periodic");
+            ": it needs straight links, 8 rows a rank, spacings within a ratio of 2, conductivities within one of 1e8, "
+            "and "
+            "an even number of nodes where sides are periodic");
         return { options.method };
       case Method::PieceMultigrid:
         if (!piecesFit(problem(axis)))
           refuse(Method::PieceMultigrid,
-            ": it needs straight links, one rank, and an even number of nodes where sides are periodic");
+            ": it needs straight links, one rank, conductivities within a ratio of 1e8, and an even number of nodes "
+            "where "
+            "sides are periodic");
         return { options.method };
       case Method::Multigrid:
         if (!halves)

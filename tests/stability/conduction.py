@@ -89,22 +89,24 @@ def diffusion(setting):
     sample = Sample(setting, random_nodes(setting, most=(18, 8)))
     values = random_values(setting, 4)
     direction = setting.one_of(*"xyz"[: sample.dimension])
-    periodic = setting.chance(0.3)
-    lattice = setting.one_of("", "", "d2q9" if sample.dimension == 2 else "d3q19")
+    sides = setting.one_of("insulated", "insulated", "insulated", "periodic", "mixed")
+    periodic = sides == "periodic"
+    lattice = setting.one_of("", "", "", "", "d2q9" if sample.dimension == 2 else "d3q19", "q1")
     words = ["diffusion", *sample.words(pixel=setting.one_of(None, "1um", "1mm"))]
     for phase in sample.present:
         words += ["--conductivity", f"{NAMES[phase]}={values[phase]!r}"]
     words += ["--direction", direction]
-    words += ["--sides", "periodic"] if periodic else []
+    words += ["--sides", sides] if sides != "insulated" else []
     words += ["--lattice", lattice] if lattice else []
     words += ["--no-error-estimate"] if setting.chance(0.7) else []
-    words += ["--method", "algebraic-multigrid"] if setting.chance(0.15) else []
+    method = setting.one_of(*[""] * 6, "algebraic-multigrid", "lean-multigrid", "piece-multigrid", "multigrid")
+    words += ["--method", method] if method and lattice != "q1" else []
     words += ["--threads", "2"] if setting.chance(0.1) else []
     k = np.array(values)[sample.nodes]
     axis = axis_of(direction, sample.dimension)
     series, parallel = bounds_of(sample, values)
     exact = None
-    if not periodic and not lattice:
+    if sides == "insulated" and not lattice:
         exact = conductance(k, axis) * k.shape[axis] ** 2 / k.size
     elif periodic and not lattice and k.max() > 0 and k.size <= 200 and k.max() <= 1e6 * min(k[k > 0]):
         exact = periodic_tensor(k / k.max())[axis, axis] * k.max()
