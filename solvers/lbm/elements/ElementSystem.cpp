@@ -23,7 +23,9 @@ namespace
 constexpr double leastTarget = 1e-14; // of the value's relative error
 constexpr double safety = 3;          // on what the falls of the energy tell of what is left
 constexpr double leastRate = 0.3;     // of these falls: one of them may be large by chance
-constexpr int restarts = 5;           // from a new residual, where directions in single precision have drifted
+constexpr double tensorRounding = std::numeric_limits<float>::epsilon() / 2;
+constexpr double fluxRounding = std::numeric_limits<double>::epsilon(); // of the best conductor's, times the contrast
+constexpr int restarts = 5; // from a new residual, where directions in single precision have drifted
 
 ElementBox boxOf(const Problem& problem)
 {
@@ -219,6 +221,7 @@ public:
         break;
     }
     balance();
+    result.solverError = std::max(result.solverError, tensorRounding + fluxRounding * problem_.contrast());
     op_.apply<double>(v_, r, gradient_);
     result.residual = load > 0 ? std::sqrt(dot(r, r)) / load : 0.0;
     setEffective(result, sums(), problem_.lattice, problem_.axis, scale_);

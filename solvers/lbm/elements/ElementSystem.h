@@ -16,7 +16,8 @@ namespace lamella::lbm
 /// the voxels as they stand, where the finite volumes' may be above or below. Pictures are volumes one element thick.
 ///
 /// Conjugate gradients on the field and its residual in double, directions in single precision, preconditioned by
-/// ElementMultigrid; at the end PlaneBalance makes both faces' fluxes equal to the energy. Voxels conduct to those
+/// ElementMultigrid; at the end PlaneBalance makes both faces' fluxes equal to the energy. Tensors are in single
+/// precision: the error told is at least 6e-8. Voxels conduct to those
 /// that they share an edge or a corner with; a path across the box must lead over their faces.
 ///
 /// Memory: 52 bytes a voxel, 24 more with axes; pictures have two layers of nodes. One rank.
