@@ -166,7 +166,10 @@ TEST(Contrast, ThreePhasesAreRightOrRefused)
       }
       catch (const DivergenceError&) // blocks are for mild contrasts, pieces for every one that is not so mean
       {
-        EXPECT_GT(decades, method == lbm::Method::LeanMultigrid ? 1 : method == lbm::Method::PieceMultigrid ? 4 : 11)
+        EXPECT_GT(decades,
+          method == lbm::Method::LeanMultigrid      ? 1
+            : method == lbm::Method::PieceMultigrid ? 4
+                                                    : 11)
           << trial << " " << lbm::name(method) << " " << d[1] << " " << d[2];
       }
   }
