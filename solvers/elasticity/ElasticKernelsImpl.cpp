@@ -1,0 +1,533 @@
+// Compiled once for every instruction set, with LAMELLA_KERNELS naming the table that it defines; see ElasticKernels.h.
+
+#include "elasticity/ElasticKernels.h"
+
+#include <cstring>
+#include <type_traits>
+#include <utility>
+
+namespace lamella::elasticity
+{
+namespace
+{
+
+#if defined(__AVX512F__)
+constexpr int bytes = 64;
+#elif defined(__AVX__)
+constexpr int bytes = 32;
+#else
+constexpr int bytes = 16;
+#endif
+
+template <class Real>
+struct Packed;
+template <>
+struct Packed<float>
+{
+  using Type [[gnu::vector_size(bytes)]] = float;
+};
+template <>
+struct Packed<double>
+{
+  using Type [[gnu::vector_size(bytes)]] = double;
+};
+using HalfFloats [[gnu::vector_size(bytes / 2)]] = float;
+
+template <class Real>
+using Pack = typename Packed<Real>::Type;
+template <class Real>
+constexpr int lanes = bytes / static_cast<int>(sizeof(Real));
+
+template <class Real>
+[[gnu::always_inline]] inline Pack<Real> load(const Real* p)
+{
+  Pack<Real> v;
+  std::memcpy(&v, p, sizeof v);
+  return v;
+}
+template <class Real>
+[[gnu::always_inline]] inline void store(Real* p, Pack<Real> v)
+{
+  std::memcpy(p, &v, sizeof v);
+}
+template <class Real>
+[[gnu::always_inline]] inline Pack<Real> loadFloats(const float* p)
+{
+  if constexpr (std::is_same_v<Real, float>)
+    return load(p);
+  else
+  {
+    HalfFloats v;
+    std::memcpy(&v, p, sizeof v);
+    return __builtin_convertvector(v, Pack<double>);
+  }
+}
+template <class Real>
+[[gnu::always_inline]] inline Pack<Real> all(double x)
+{
+  return static_cast<Real>(x) - Pack<Real>{};
+}
+// The values one lane on, after the last of those before.
+template <class Real, int... I>
+[[gnu::always_inline]] inline Pack<Real> shifted(Pack<Real> before, Pack<Real> v, std::integer_sequence<int, I...>)
+{
+  return __builtin_shufflevector(before, v, (lanes<Real> - 1 + I)...);
+}
+template <class Real>
+[[gnu::always_inline]] inline Pack<Real> shifted(Pack<Real> before, Pack<Real> v)
+{
+  return shifted<Real>(before, v, std::make_integer_sequence<int, lanes<Real>>{});
+}
+template <class Real>
+double total(Pack<Real> v)
+{
+  double sum = 0;
+  for (int i = 0; i < lanes<Real>; ++i)
+    sum += static_cast<double>(v[i]);
+  return sum;
+}
+
+// f(0), f(1), … with constants that the compiler knows.
+template <int N, class F>
+[[gnu::always_inline]] inline void times(F&& f)
+{
+  [&]<int... I>(std::integer_sequence<int, I...>) __attribute__((always_inline))
+  {
+    (f(std::integral_constant<int, I>{}), ...);
+  }
+  (std::make_integer_sequence<int, N>{});
+}
+
+// mean square of the product of some of ξ, η, ζ
+constexpr double meanSquare(int polynomial)
+{
+  double w = 1;
+  for (int a = 0; a < 3; ++a)
+    if ((polynomial >> a & 1) != 0)
+      w /= 3;
+  return w;
+}
+
+// A displacement's coefficients times the number of corners, of one pack of elements.
+template <int D, class Real>
+struct Modes
+{
+  static constexpr int corners = 1 << D;
+  Pack<Real> m[D][corners]{};
+
+  Modes() = default;
+  [[gnu::always_inline]] explicit Modes(const ElasticRow<D, Real>& row, std::int64_t i)
+  {
+    times<D>(
+      [&](auto c)
+      {
+        times<corners / 2>(
+          [&](auto r)
+          {
+            const Pack<Real> low = load(row.u[c][r] + i);
+            const Pack<Real> high = load(row.u[c][r] + i + 1);
+            m[c][2 * r] = high + low;
+            m[c][2 * r + 1] = high - low;
+          });
+        times<D - 1>(
+          [&](auto axis)
+          {
+            constexpr int bit = 2 << axis;
+            times<corners>(
+              [&](auto p)
+              {
+                if constexpr ((p & bit) == 0)
+                {
+                  const Pack<Real> low = m[c][p];
+                  const Pack<Real> high = m[c][p | bit];
+                  m[c][p] = high + low;
+                  m[c][p | bit] = high - low;
+                }
+              });
+          });
+      });
+  }
+
+  // u = Σ over corners of its mode's sign times the mode
+  [[gnu::always_inline]] void back()
+  {
+    times<D>(
+      [&](auto c)
+      {
+        times<D - 1>(
+          [&](auto axis)
+          {
+            constexpr int bit = 2 << axis;
+            times<corners>(
+              [&](auto p)
+              {
+                if constexpr ((p & bit) == 0)
+                {
+                  const Pack<Real> mean = m[c][p];
+                  const Pack<Real> slope = m[c][p | bit];
+                  m[c][p] = mean - slope;
+                  m[c][p | bit] = mean + slope;
+                }
+              });
+          });
+      });
+  }
+};
+
+// The stiffness of one pack of elements.
+template <int D, class Real, bool isotropic>
+struct Law
+{
+  static constexpr int size = isotropic ? 2 : stiffnessSize(D);
+  Pack<Real> c[size];
+
+  [[gnu::always_inline]] Law(const ElasticRow<D, Real>& row, std::int64_t i)
+  {
+    times<size>([&](auto k) { c[k] = load(row.moduli[k] + i); });
+  }
+  // That of strains that vary over an element.
+  [[gnu::always_inline]] Law varying() const
+  {
+    Law v = *this;
+    if constexpr (isotropic)
+    {
+      const Pack<Real> most = c[1] + c[1];
+      v.c[0] = c[0] < most ? c[0] : most;
+    }
+    return v;
+  }
+  // of the components in `used` alone
+  template <int used>
+  [[gnu::always_inline]] void stress(const Pack<Real>* e, Pack<Real>* s) const
+  {
+    constexpr int n = voigtSize(D);
+    if constexpr (isotropic)
+    {
+      Pack<Real> trace{};
+      times<D>(
+        [&](auto k)
+        {
+          if constexpr ((used >> k & 1) != 0)
+            trace += e[k];
+        });
+      const Pack<Real> pressure = c[0] * trace;
+      const Pack<Real> twice = c[1] + c[1];
+      times<n>(
+        [&](auto k)
+        {
+          if constexpr ((used >> k & 1) != 0)
+            s[k] = k < D ? pressure + twice * e[k] : c[1] * e[k];
+        });
+    }
+    else
+      times<n>(
+        [&](auto k)
+        {
+          if constexpr ((used >> k & 1) != 0)
+          {
+            Pack<Real> sum{};
+            times<n>(
+              [&](auto l)
+              {
+                if constexpr ((used >> l & 1) != 0)
+                  sum += c[triangle(n, k, l)] * e[l];
+              });
+            s[k] = sum;
+          }
+        });
+  }
+};
+
+// The components of strain that vary as a polynomial: those with a derivative along an axis that it lacks.
+template <int D>
+constexpr int usedBy(int polynomial)
+{
+  int used = 0;
+  for (int d = 0; d < D; ++d)
+    for (int c = 0; c < D && (polynomial >> d & 1) == 0; ++c)
+      used |= 1 << voigt(D, c, d);
+  return used;
+}
+
+template <int D, class Real, bool stretched>
+struct Edges
+{
+  Pack<Real> inverse[D];
+
+  [[gnu::always_inline]] Edges(const ElasticRow<D, Real>& row, std::int64_t i)
+  {
+    if constexpr (stretched)
+    {
+      inverse[0] = loadFloats<Real>(row.stretchX + i);
+      times<D - 1>([&](auto a) { inverse[a + 1] = all<Real>(row.stretch[a + 1]); });
+    }
+  }
+  [[gnu::always_inline]] Pack<Real> over(Pack<Real> v, int axis) const { return stretched ? v * inverse[axis] : v; }
+};
+
+template <int D, class Real, bool stretched, class Mode>
+[[gnu::always_inline]] inline void strainOf(
+  const Modes<D, Real>& u, const Edges<D, Real, stretched>& edges, Mode, Pack<Real>* e)
+{
+  constexpr int polynomial = Mode::value;
+  times<voigtSize(D)>([&](auto k) { e[k] = Pack<Real>{}; });
+  times<D>(
+    [&](auto d)
+    {
+      if constexpr ((polynomial >> d & 1) == 0)
+        times<D>([&](auto c) { e[voigt(D, c, d)] += edges.over(u.m[c][polynomial | 1 << d], d); });
+    });
+}
+
+// Only the diagonal without `product`.
+template <int D, class Real, bool isotropic, bool stretched, bool product, bool diagonal>
+void apply(const ElasticRow<D, Real>& row, Real* const (*out)[1 << (D - 1)], Real* const* sums)
+{
+  constexpr int rows = 1 << (D - 1);
+  constexpr int n = voigtSize(D);
+  using P = Pack<Real>;
+  P before[D][rows]{};
+  P diagonalBefore{};
+  for (std::int64_t i = 0; i <= row.count; i += lanes<Real>)
+  {
+    const Law<D, Real, isotropic> law(row, i);
+    const Law<D, Real, isotropic> varying = law.varying();
+    const Edges<D, Real, stretched> edges(row, i);
+    if constexpr (product)
+    {
+      const Modes<D, Real> u(row, i);
+      Modes<D, Real> f;
+      times<2 * rows - 1>(
+        [&](auto polynomial)
+        {
+          P e[n];
+          P s[n];
+          strainOf(u, edges, polynomial, e);
+          if constexpr (polynomial == 0)
+            times<n>([&](auto k) { e[k] += all<Real>(row.strain[k]); });
+          constexpr int used = usedBy<D>(polynomial);
+          if constexpr (polynomial == 0)
+            law.template stress<used>(e, s);
+          else
+            varying.template stress<used>(e, s);
+          if constexpr (polynomial == 0 && std::is_same_v<Real, double>)
+            if (row.initial != nullptr)
+              times<n>([&](auto k) { s[k] += load(row.initial[k] + i); });
+          times<n>(
+            [&](auto k)
+            {
+              if constexpr (polynomial != 0 && (used >> k & 1) != 0)
+                s[k] *= all<Real>(meanSquare(polynomial));
+            });
+          times<D>(
+            [&](auto d)
+            {
+              if constexpr ((polynomial >> d & 1) == 0)
+                times<D>([&](auto c) { f.m[c][polynomial | 1 << d] += edges.over(s[voigt(D, c, d)], d); });
+            });
+        });
+      f.back();
+      times<D>(
+        [&](auto c)
+        {
+          times<rows>(
+            [&](auto r)
+            {
+              const P low = f.m[c][2 * r] - f.m[c][2 * r + 1];
+              const P high = f.m[c][2 * r] + f.m[c][2 * r + 1];
+              Real* const q = out[c][r] + i;
+              store(q, load(q) + low + shifted<Real>(before[c][r], high));
+              before[c][r] = high;
+            });
+        });
+    }
+    if constexpr (diagonal)
+    {
+      // mean over the corners and components: each mode with its own square once
+      P d{};
+      times<2 * rows - 1>(
+        [&](auto polynomial)
+        {
+          times<D>(
+            [&](auto a)
+            {
+              if constexpr ((polynomial >> a & 1) == 0)
+                times<D>(
+                  [&](auto c)
+                  {
+                    P own;
+                    if constexpr (isotropic)
+                      own = c == a ? (polynomial == 0 ? law : varying).c[0] + law.c[1] + law.c[1] : law.c[1];
+                    else
+                      own = law.c[triangle(n, voigt(D, c, a), voigt(D, c, a))];
+                    d += all<Real>(meanSquare(polynomial) / D) * edges.over(edges.over(own, a), a);
+                  });
+            });
+        });
+      const P both = d + shifted<Real>(diagonalBefore, d);
+      diagonalBefore = d;
+      times<rows>([&](auto r) { store(sums[r] + i, load(sums[r] + i) + both); });
+    }
+  }
+}
+
+template <int D, class Real, bool product, bool diagonal>
+void applyAny(const ElasticRow<D, Real>& row, Real* const (*out)[1 << (D - 1)], Real* const* sums)
+{
+  if (row.isotropic)
+    row.stretchX == nullptr ? apply<D, Real, true, false, product, diagonal>(row, out, sums)
+                            : apply<D, Real, true, true, product, diagonal>(row, out, sums);
+  else
+    row.stretchX == nullptr ? apply<D, Real, false, false, product, diagonal>(row, out, sums)
+                            : apply<D, Real, false, true, product, diagonal>(row, out, sums);
+}
+
+template <int D>
+void applySingle(const ElasticRow<D, float>& row, float* const (*out)[1 << (D - 1)], float* const* diagonal)
+{
+  if (diagonal == nullptr)
+    applyAny<D, float, true, false>(row, out, nullptr);
+  else if (out == nullptr)
+    applyAny<D, float, false, true>(row, nullptr, diagonal);
+  else
+    applyAny<D, float, true, true>(row, out, diagonal);
+}
+
+template <int D>
+void applyDouble(const ElasticRow<D, double>& row, double* const (*out)[1 << (D - 1)])
+{
+  applyAny<D, double, true, false>(row, out, nullptr);
+}
+
+template <int D, bool isotropic, bool stretched>
+void stresses(const ElasticRow<D, double>& row, double* const* stress, double* const* strain, double* energy)
+{
+  constexpr int rows = 1 << (D - 1);
+  constexpr int n = voigtSize(D);
+  using P = Pack<double>;
+  P sum{};
+  for (std::int64_t i = 0; i < row.count; i += lanes<double>)
+  {
+    const Modes<D, double> u(row, i);
+    const Law<D, double, isotropic> law(row, i);
+    const Law<D, double, isotropic> varying = law.varying();
+    const Edges<D, double, stretched> edges(row, i);
+    times<2 * rows - 1>(
+      [&](auto polynomial)
+      {
+        P e[n];
+        P s[n];
+        strainOf(u, edges, polynomial, e);
+        if constexpr (polynomial == 0)
+          times<n>([&](auto k) { e[k] += all<double>(row.strain[k]); });
+        constexpr int used = usedBy<D>(polynomial);
+        if constexpr (polynomial == 0)
+          law.template stress<used>(e, s);
+        else
+          varying.template stress<used>(e, s);
+        if constexpr (polynomial == 0)
+        {
+          if (row.initial != nullptr)
+            times<n>([&](auto k) { s[k] += load(row.initial[k] + i); });
+          times<n>([&](auto k) { store(stress[k] + i, s[k]); });
+          times<n>([&](auto k) { store(strain[k] + i, e[k]); });
+        }
+        times<n>(
+          [&](auto k)
+          {
+            if constexpr ((used >> k & 1) != 0)
+              sum += all<double>(meanSquare(polynomial)) * s[k] * e[k];
+          });
+      });
+  }
+  *energy += total<double>(sum);
+}
+
+template <int D>
+void stressesAny(const ElasticRow<D, double>& row, double* const* stress, double* const* strain, double* energy)
+{
+  if (row.isotropic)
+    row.stretchX == nullptr ? stresses<D, true, false>(row, stress, strain, energy)
+                            : stresses<D, true, true>(row, stress, strain, energy);
+  else
+    row.stretchX == nullptr ? stresses<D, false, false>(row, stress, strain, energy)
+                            : stresses<D, false, true>(row, stress, strain, energy);
+}
+
+void relax(std::int64_t n, float factor, const float* b, const float* a, const float* d, float* z)
+{
+#pragma omp simd
+  for (std::int64_t i = 0; i < n; ++i)
+    z[i] += d[i] > 0 ? factor * (b[i] - a[i]) / d[i] : 0.0F;
+}
+
+void relaxFirst(std::int64_t n, float factor, const float* b, const float* d, float* z)
+{
+#pragma omp simd
+  for (std::int64_t i = 0; i < n; ++i)
+    z[i] = d[i] > 0 ? factor * b[i] / d[i] : 0.0F;
+}
+
+void difference(std::int64_t n, const float* b, const float* a, float* out)
+{
+#pragma omp simd
+  for (std::int64_t i = 0; i < n; ++i)
+    out[i] = b[i] - a[i];
+}
+
+double dot(std::int64_t n, const float* a, const float* b)
+{
+  double sum = 0;
+#pragma omp simd reduction(+ : sum)
+  for (std::int64_t i = 0; i < n; ++i)
+    sum += static_cast<double>(a[i]) * static_cast<double>(b[i]);
+  return sum;
+}
+
+void direct(std::int64_t n, float factor, const float* b, float* a)
+{
+#pragma omp simd
+  for (std::int64_t i = 0; i < n; ++i)
+    a[i] = b[i] + factor * a[i];
+}
+
+template <class Real>
+double step(std::int64_t n, double factor, const float* p, const float* q, Real* x, float* r)
+{
+  double sum = 0;
+  const auto f = static_cast<float>(factor);
+  const auto g = static_cast<Real>(factor);
+#pragma omp simd reduction(+ : sum)
+  for (std::int64_t i = 0; i < n; ++i)
+  {
+    x[i] += g * static_cast<Real>(p[i]);
+    r[i] -= f * q[i];
+    sum += static_cast<double>(r[i]) * static_cast<double>(r[i]);
+  }
+  return sum;
+}
+
+void add(std::int64_t n, float w, const float* a, float* out)
+{
+#pragma omp simd
+  for (std::int64_t i = 0; i < n; ++i)
+    out[i] += w * a[i];
+}
+
+void lookUp(std::int64_t n, const std::uint8_t* phase, const float* tableA, const float* tableB, float* a, float* b)
+{
+#pragma omp simd
+  for (std::int64_t i = 0; i < n; ++i)
+  {
+    a[i] = tableA[phase[i]];
+    b[i] = tableB[phase[i]];
+  }
+}
+
+} // namespace
+
+extern const ElasticKernels LAMELLA_KERNELS;
+const ElasticKernels LAMELLA_KERNELS = { applySingle<2>, applySingle<3>, applyDouble<2>, applyDouble<3>, stressesAny<2>,
+  stressesAny<3>, relax, relaxFirst, difference, dot, direct, step<float>, step<double>, add, lookUp };
+
+} // namespace lamella::elasticity

@@ -1,0 +1,157 @@
+#include "elasticity/ElasticOperator.h"
+
+namespace lamella::elasticity
+{
+namespace
+{
+
+constexpr std::int64_t threadedNodes = 20000;
+constexpr std::int64_t leastPlanes = 8; // of a thread
+
+} // namespace
+
+template <int D>
+ElasticOperator<D>::ElasticOperator(
+  ElasticGrid<D> grid, bool isotropic, ModuliRows<float> moduli, ModuliRows<double> exact, int threads)
+  : grid_(std::move(grid))
+  , isotropic_(isotropic)
+  , moduli_(std::move(moduli))
+  , exact_(std::move(exact))
+  , threads_(grid_.ownNodes() < threadedNodes
+        ? 1
+        : std::max(1, static_cast<int>(std::min<std::int64_t>(threads, grid_.planes() / leastPlanes))))
+  , sumLength_(grid_.rowLength() + spareValues)
+  , sums_(static_cast<std::size_t>(threads_),
+      std::vector<float>(static_cast<std::size_t>(2 * (D + 1) * sumLength_ * grid_.rows() + spareValues), 0.0F))
+  , rims_(static_cast<std::size_t>(2 * threads_ * D * grid_.planeStride()))
+{
+  if (!grid_.stretched())
+    return;
+  stretchX_.assign(static_cast<std::size_t>(grid_.elements[0] + spareValues), 0.0F);
+  for (std::int64_t i = 0; i < grid_.elements[0]; ++i)
+    stretchX_[static_cast<std::size_t>(i)] = 1 / grid_.widthOf(0, i);
+}
+
+template <int D>
+std::array<std::int64_t, 2> ElasticOperator<D>::slab(int thread) const noexcept
+{
+  const std::int64_t pairs = (grid_.planes() + 1) / 2;
+  return { 2 * (pairs * thread / threads_), std::min(grid_.planes(), 2 * (pairs * (thread + 1) / threads_)) };
+}
+
+template <int D>
+void ElasticOperator<D>::moduliRow(
+  std::int64_t row, std::int64_t plane, double* const* buffer, const double** rows) const
+{
+  if (exact_)
+  {
+    exact_(row, plane, buffer, rows);
+    return;
+  }
+  ModuliBuffer<D, float> single(grid_.elements[0]);
+  moduli_(row, plane, single.buffer.data(), single.rows.data());
+  for (std::size_t m = 0; m < static_cast<std::size_t>(moduliCount()); ++m)
+  {
+    std::copy_n(single.rows[m], grid_.elements[0], buffer[m]);
+    rows[m] = buffer[m];
+  }
+}
+
+template <int D>
+std::size_t ElasticOperator<D>::bytes() const noexcept
+{
+  std::size_t total = rims_.size() + stretchX_.size();
+  for (const auto& sums : sums_)
+    total += sums.size();
+  return total * sizeof(float);
+}
+
+template <int D>
+template <class Real>
+void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load,
+  const std::function<void(std::int64_t, std::int64_t, const double* const*, const double* const*, double)>& f) const
+{
+  constexpr int n = voigtSize(D);
+  const ElasticGrid<D>& g = grid_;
+  const std::int64_t length = g.elements[0] + spareValues;
+#pragma omp parallel num_threads(threads_) if (threads_ > 1)
+  {
+    ModuliBuffer<D, double> moduli(g.elements[0]);
+    std::vector<double> store(static_cast<std::size_t>((3 * n + D * rowsAround) * length), 0.0);
+    std::array<double*, n> stress{};
+    std::array<double*, n> strain{};
+    std::array<double*, n> initial{};
+    for (std::size_t k = 0; k < n; ++k)
+    {
+      stress[k] = store.data() + static_cast<std::int64_t>(k) * length;
+      strain[k] = store.data() + static_cast<std::int64_t>(n + k) * length;
+      initial[k] = store.data() + static_cast<std::int64_t>(2 * n + k) * length;
+    }
+    double* const values = store.data() + 3 * n * length;
+    ElasticRow<D, double> row{};
+    row.count = g.elements[0];
+    row.isotropic = isotropic_;
+    row.stretchX = g.stretched() ? stretchX_.data() : nullptr;
+    if (load != nullptr)
+      for (std::size_t k = 0; k < n; ++k)
+        row.strain[k] = load->strain[k] * g.edge / cornerFactor<D>;
+#pragma omp for schedule(static)
+    for (std::int64_t k = 0; k < g.elementPlanes(); ++k)
+      for (std::int64_t j = 0; j < g.elementRows(); ++j)
+      {
+        for (int r = 0; r < rowsAround; ++r)
+        {
+          const std::int64_t jj = D == 3 && (r & 1) != 0 ? (j + 1 == g.rows() ? 0 : j + 1) : (D == 3 ? j : 0);
+          const std::int64_t up = k + (D == 3 ? r >> 1 : r);
+          const std::int64_t kk = up == g.planes() ? 0 : up;
+          for (int c = 0; c < D; ++c)
+          {
+            double* const to = values + (c * rowsAround + r) * length;
+            std::copy_n(u + c * g.componentStride() + g.at(jj, kk), g.rowLength(), to);
+            row.u[c][r] = to;
+          }
+        }
+        moduliRow(j, k, moduli.buffer.data(), moduli.rows.data());
+        std::copy(moduli.rows.begin(), moduli.rows.end(), row.moduli);
+        if (row.stretchX != nullptr)
+        {
+          if constexpr (D == 3)
+            row.stretch[1] = 1 / static_cast<double>(g.widthOf(1, j));
+          row.stretch[D - 1] = 1 / static_cast<double>(g.widthOf(D - 1, k));
+        }
+        if (load != nullptr && load->initial)
+        {
+          load->initial(j, k, initial.data());
+          for (const auto& values0 : initial)
+            for (std::int64_t i = 0; i < g.elements[0]; ++i)
+              values0[i] *= cornerFactor<D>;
+          row.initial = initial.data();
+        }
+        double energy = 0;
+        if constexpr (D == 2)
+          elasticKernels().planeStress(row, stress.data(), strain.data(), &energy);
+        else
+          elasticKernels().spaceStress(row, stress.data(), strain.data(), &energy);
+        for (std::size_t c = 0; c < n; ++c)
+          for (std::int64_t i = 0; i < g.elements[0]; ++i)
+          {
+            stress[c][i] /= cornerFactor<D>;
+            strain[c][i] *= cornerFactor<D> / g.edge;
+          }
+        f(j, k, stress.data(), strain.data(), energy);
+      }
+  }
+}
+
+template class ElasticOperator<2>;
+template class ElasticOperator<3>;
+template void ElasticOperator<2>::forStresses(const float*, const ElasticLoad<2>*,
+  const std::function<void(std::int64_t, std::int64_t, const double* const*, const double* const*, double)>&) const;
+template void ElasticOperator<3>::forStresses(const float*, const ElasticLoad<3>*,
+  const std::function<void(std::int64_t, std::int64_t, const double* const*, const double* const*, double)>&) const;
+template void ElasticOperator<2>::forStresses(const double*, const ElasticLoad<2>*,
+  const std::function<void(std::int64_t, std::int64_t, const double* const*, const double* const*, double)>&) const;
+template void ElasticOperator<3>::forStresses(const double*, const ElasticLoad<3>*,
+  const std::function<void(std::int64_t, std::int64_t, const double* const*, const double* const*, double)>&) const;
+
+} // namespace lamella::elasticity

@@ -1,0 +1,130 @@
+#pragma once
+
+#include "elasticity/ElasticKernels.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace lamella::elasticity
+{
+
+/// A box of elements in D dimensions, and its nodes. Along x the last node of a row is always stored, as a copy of the
+/// first one where x is periodic; along the other axes only nodes of their own are. Arrays hold one component after the
+/// other, planes of the last axis one after the other, each plane with some spare values behind it.
+template <int D>
+struct ElasticGrid
+{
+  std::array<std::int64_t, D> elements{};
+  std::array<bool, D> periodic{};
+  /// Of the two outer layers of nodes across an axis, which components are held at 0: held[axis][component].
+  std::array<std::array<bool, D>, D> held{};
+  /// Edges of the elements along each axis over `edge`; empty: all of them 1.
+  std::array<std::vector<float>, D> width;
+  double edge = 1; ///< in edges of the finest elements along x
+
+  [[nodiscard]] std::int64_t nodes(int axis) const noexcept { return elements[axis] + (periodic[axis] ? 0 : 1); }
+  [[nodiscard]] std::int64_t rows() const noexcept { return D == 3 ? nodes(1) : 1; } ///< of nodes in a plane
+  [[nodiscard]] std::int64_t elementRows() const noexcept { return D == 3 ? elements[1] : 1; }
+  [[nodiscard]] std::int64_t planes() const noexcept { return nodes(D - 1); }
+  [[nodiscard]] std::int64_t elementPlanes() const noexcept { return elements[D - 1]; }
+  [[nodiscard]] std::int64_t rowLength() const noexcept { return elements[0] + 1; }
+  [[nodiscard]] std::int64_t planeStride() const noexcept { return rowLength() * rows() + spareValues; }
+  [[nodiscard]] std::int64_t componentStride() const noexcept { return planeStride() * planes(); }
+  [[nodiscard]] std::size_t values() const noexcept { return static_cast<std::size_t>(D * componentStride()); }
+  [[nodiscard]] std::int64_t at(std::int64_t row, std::int64_t plane) const noexcept
+  {
+    return plane * planeStride() + row * rowLength();
+  }
+  [[nodiscard]] std::int64_t ownNodes() const noexcept { return nodes(0) * rows() * planes(); }
+  [[nodiscard]] bool stretched() const noexcept
+  {
+    return std::ranges::any_of(
+      width, [](const auto& w) { return !w.empty(); });
+  }
+  [[nodiscard]] float widthOf(int axis, std::int64_t i) const
+  {
+    return width[axis].empty() ? 1.0F : width[axis][static_cast<std::size_t>(i)];
+  }
+};
+
+/// The moduli of a row of elements: sets `rows` to them, as they are stored or written into `buffer`; each with zeros
+/// for spareValues after the last.
+template <class Real>
+using ModuliRows = std::function<void(std::int64_t row, std::int64_t plane, Real* const* buffer, const Real** rows)>;
+
+/// What a body is loaded by besides its displacements.
+template <int D>
+struct ElasticLoad
+{
+  std::array<double, 6> strain{}; ///< mean strain that displacements are the rest of, Voigt's order, shears γ
+  /// Stress to add of a row of elements, over the largest modulus; or none.
+  std::function<void(std::int64_t row, std::int64_t plane, double* const* stress)> initial;
+};
+
+/// The product with the stiffness of a box of elements, made plane by plane: once a plane of nodes is complete, it is
+/// handed over and may replace the values it was made of. Each plane is worked out by one thread and in one order, so
+/// that the number of threads changes nothing.
+template <int D>
+class ElasticOperator
+{
+public:
+  static constexpr int rowsAround = 1 << (D - 1);
+
+  /// @param exact  the moduli in double, or none: those in single precision are taken
+  ElasticOperator(ElasticGrid<D> grid, bool isotropic, ModuliRows<float> moduli, ModuliRows<double> exact, int threads);
+
+  [[nodiscard]] const ElasticGrid<D>& grid() const noexcept { return grid_; }
+  [[nodiscard]] bool isotropic() const noexcept { return isotropic_; }
+  [[nodiscard]] int threads() const noexcept { return threads_; }
+  [[nodiscard]] int moduliCount() const noexcept { return isotropic_ ? 2 : stiffnessSize(D); }
+  void moduliRow(std::int64_t row, std::int64_t plane, float* const* buffer, const float** rows) const
+  {
+    moduli_(row, plane, buffer, rows);
+  }
+  void moduliRow(std::int64_t row, std::int64_t plane, double* const* buffer, const double** rows) const;
+  /// The thread's planes of nodes are [first, last); an even number but for the last thread's.
+  [[nodiscard]] std::array<std::int64_t, 2> slab(int thread) const noexcept;
+  [[nodiscard]] std::size_t bytes() const noexcept;
+
+  /// visit(thread, plane, row, sums) for every row of nodes, where sums[c] are (A u)_c, zero where it is held; with
+  /// `diagonal` sums[D] is the mean diagonal of A. `u`: null for the diagonal alone. visit may overwrite u's row.
+  /// endPlane(thread, plane) follows a plane's last row.
+  template <class Real, class Visit, class End>
+  void sweep(const Real* u, const ElasticLoad<D>* load, bool diagonal, Visit&& visit, End&& endPlane) const;
+  template <class Real, class Visit>
+  void sweep(const Real* u, const ElasticLoad<D>* load, bool diagonal, Visit&& visit) const
+  {
+    sweep<Real>(
+      u, load, diagonal, std::forward<Visit>(visit), [](int, std::int64_t) {});
+  }
+
+  /// f(row, plane, stress, strain, energy) for every row of elements, by its thread: mean stress over the largest
+  /// modulus, by Voigt's order, mean strain, and ∫ σ : ε over a voxel's volume.
+  template <class Real>
+  void forStresses(const Real* u, const ElasticLoad<D>* load,
+    const std::function<void(std::int64_t row, std::int64_t plane, const double* const* stress,
+      const double* const* strain, double energy)>& f) const;
+
+private:
+  ElasticGrid<D> grid_;
+  bool isotropic_;
+  ModuliRows<float> moduli_;
+  ModuliRows<double> exact_;
+  int threads_;
+  std::int64_t sumLength_; ///< of a row of sums or moduli, spare values included
+  std::vector<float> stretchX_;
+  mutable std::vector<std::vector<float>> sums_; ///< by thread: two planes of D + 1 rows of sums
+  mutable std::vector<float> rims_;              ///< by thread: its first and its last plane as they were
+};
+
+/// The factor between a strain and the sum of signed corner values that stands for it in a kernel.
+template <int D>
+inline constexpr double cornerFactor = 1.0 / (1 << (D - 1));
+
+} // namespace lamella::elasticity
+
+#include "elasticity/ElasticSweep.h"

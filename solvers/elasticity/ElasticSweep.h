@@ -1,0 +1,180 @@
+#pragma once
+
+#include "elasticity/ElasticOperator.h"
+
+#include <omp.h>
+
+#include <type_traits>
+
+namespace lamella::elasticity
+{
+
+/// A thread's place for the moduli of a row of elements, and pointers to where they are.
+template <int D, class Real>
+struct ModuliBuffer
+{
+  std::vector<Real> values;
+  std::array<Real*, stiffnessSize(D)> buffer{};
+  std::array<const Real*, stiffnessSize(D)> rows{};
+
+  explicit ModuliBuffer(std::int64_t elements)
+    : values(static_cast<std::size_t>(stiffnessSize(D) * (elements + spareValues)), Real{ 0 })
+  {
+    for (int k = 0; k < stiffnessSize(D); ++k)
+      buffer[static_cast<std::size_t>(k)] = values.data() + k * (elements + spareValues);
+  }
+};
+
+template <int D>
+template <class Real, class Visit, class End>
+void ElasticOperator<D>::sweep(
+  const Real* u, const ElasticLoad<D>* load, bool diagonal, Visit&& visit, End&& endPlane) const
+{
+  constexpr bool single = std::is_same_v<Real, float>;
+  constexpr int voigtRows = voigtSize(D);
+  const ElasticGrid<D>& g = grid_;
+  const std::int64_t planes = g.planes();
+  const std::int64_t rows = g.rows();
+  const std::int64_t plane = g.planeStride();
+  const std::int64_t component = g.componentStride();
+  const bool around = g.periodic[D - 1];
+  const std::int64_t sumPlane = sumLength_ * rows;
+  const int kinds = D + 1;
+  std::vector<Real> rimStore;
+  Real* rims = nullptr;
+  if constexpr (single)
+    rims = rims_.data();
+  else
+  {
+    rimStore.resize(static_cast<std::size_t>(2 * threads_ * D * plane));
+    rims = rimStore.data();
+  }
+  const auto rim = [&](int thread, int end, int c) { return rims + ((2 * thread + end) * D + c) * plane; };
+  const ElasticKernels& kernels = elasticKernels();
+
+#pragma omp parallel num_threads(threads_) if (threads_ > 1)
+  {
+    const int thread = threads_ > 1 ? omp_get_thread_num() : 0;
+    const auto [first, last] = slab(thread);
+    if (u != nullptr)
+    {
+      for (int c = 0; c < D; ++c)
+      {
+        std::copy_n(u + c * component + first * plane, plane, rim(thread, 0, c));
+        std::copy_n(u + c * component + (last - 1) * plane, plane, rim(thread, 1, c));
+      }
+#pragma omp barrier
+    }
+    std::vector<Real> own;
+    Real* sums = nullptr;
+    if constexpr (single)
+      sums = sums_[static_cast<std::size_t>(thread)].data();
+    else
+    {
+      own.resize(static_cast<std::size_t>(2 * kinds * sumPlane + spareValues));
+      sums = own.data();
+    }
+    Real* lower = sums;
+    Real* upper = sums + kinds * sumPlane;
+    std::fill_n(upper, kinds * sumPlane, Real{ 0 });
+    ModuliBuffer<D, Real> moduli(g.elements[0]);
+    std::vector<double> initial(
+      load != nullptr && load->initial ? static_cast<std::size_t>(voigtRows * (g.elements[0] + spareValues)) : 0, 0.0);
+    std::array<double*, voigtRows> initialRows{};
+    for (int k = 0; k < voigtRows && !initial.empty(); ++k)
+      initialRows[static_cast<std::size_t>(k)] = initial.data() + k * (g.elements[0] + spareValues);
+
+    ElasticRow<D, Real> row{};
+    row.count = g.elements[0];
+    row.isotropic = isotropic_;
+    row.stretchX = g.stretched() ? stretchX_.data() : nullptr;
+    if (load != nullptr)
+      for (std::size_t k = 0; k < voigtRows; ++k)
+        row.strain[k] = load->strain[k] * g.edge / cornerFactor<D>;
+    if (!initial.empty())
+      row.initial = initialRows.data();
+
+    const auto planeOf = [&](std::int64_t k, int c) -> const Real*
+    {
+      if (k < first)
+        return rim((thread + threads_ - 1) % threads_, 1, c);
+      if (k >= last)
+        return rim((thread + 1) % threads_, 0, c);
+      return u + c * component + k * plane;
+    };
+    for (std::int64_t k = first - 1; k < last; ++k)
+    {
+      std::swap(lower, upper);
+      std::fill_n(upper, kinds * sumPlane, Real{ 0 });
+      const bool exists = around || (k >= 0 && k < g.elementPlanes());
+      const std::int64_t element = k < 0 ? k + g.elementPlanes() : k;
+      for (std::int64_t j = 0; exists && j < g.elementRows(); ++j)
+      {
+        const std::int64_t next = D == 2 || j + 1 == rows ? 0 : j + 1;
+        Real* out[D][rowsAround];
+        Real* diagonalOut[rowsAround];
+        for (int r = 0; r < rowsAround; ++r)
+        {
+          const std::int64_t jj = D == 3 && (r & 1) != 0 ? next : j;
+          const int up = D == 3 ? r >> 1 : r;
+          Real* const base = (up != 0 ? upper : lower) + jj * sumLength_;
+          for (int c = 0; c < D; ++c)
+          {
+            if (u != nullptr)
+              row.u[c][r] = planeOf(k + up, c) + jj * g.rowLength();
+            out[c][r] = base + c * sumPlane;
+          }
+          diagonalOut[r] = base + D * sumPlane;
+        }
+        moduliRow(j, element, moduli.buffer.data(), moduli.rows.data());
+        std::copy(moduli.rows.begin(), moduli.rows.end(), row.moduli);
+        if (row.stretchX != nullptr)
+        {
+          if constexpr (D == 3)
+            row.stretch[1] = 1 / static_cast<double>(g.widthOf(1, j));
+          row.stretch[D - 1] = 1 / static_cast<double>(g.widthOf(D - 1, element));
+        }
+        if (!initial.empty())
+        {
+          load->initial(j, element, initialRows.data());
+          for (double& value : initial)
+            value *= cornerFactor<D>;
+        }
+        if constexpr (single && D == 2)
+          kernels.plane(row, u != nullptr ? out : nullptr, diagonal ? diagonalOut : nullptr);
+        else if constexpr (single)
+          kernels.space(row, u != nullptr ? out : nullptr, diagonal ? diagonalOut : nullptr);
+        else if constexpr (D == 2)
+          kernels.planeDouble(row, out);
+        else
+          kernels.spaceDouble(row, out);
+      }
+      if (k < first)
+        continue;
+      for (std::int64_t j = 0; j < rows; ++j)
+      {
+        Real* done[D + 1];
+        for (int c = 0; c <= D; ++c)
+        {
+          done[c] = lower + c * sumPlane + j * sumLength_;
+          if (g.periodic[0])
+            done[c][0] = done[c][g.elements[0]] = done[c][0] + done[c][g.elements[0]];
+        }
+        for (int c = 0; c < D; ++c)
+        {
+          const auto axis = static_cast<std::size_t>(c);
+          const bool whole = (g.held[D - 1][axis] && (k == 0 || k == planes - 1)) ||
+            (D == 3 && g.held[1][axis] && (j == 0 || j == rows - 1));
+          if (whole)
+            std::fill_n(done[c], g.rowLength(), Real{ 0 });
+          else if (g.held[0][axis])
+            done[c][0] = done[c][g.elements[0]] = Real{ 0 };
+        }
+        visit(thread, k, j, done);
+      }
+      endPlane(thread, k);
+    }
+  }
+}
+
+} // namespace lamella::elasticity

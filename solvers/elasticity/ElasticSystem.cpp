@@ -1,0 +1,359 @@
+#include "elasticity/ElasticSystem.h"
+
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+namespace lamella::elasticity
+{
+namespace
+{
+
+constexpr double mostFall = 1e-4;      // of the residual between two that are made anew
+constexpr double leastProgress = 0.25; // of its square, or no more is tried
+
+} // namespace
+
+template <int D>
+ElasticLaw<D> ElasticLaw<D>::ofLame(double lambda, double mu)
+{
+  constexpr int n = voigtSize(D);
+  ElasticLaw law;
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < n; ++j)
+      law.stiffness[static_cast<std::size_t>(triangle(n, i, j))] =
+        (i < D && j < D ? lambda : 0.0) + (i == j ? (i < D ? 2 * mu : mu) : 0.0);
+  return law;
+}
+
+template <int D>
+bool ElasticLaw<D>::isotropic(double& lambda, double& mu) const
+{
+  constexpr int n = voigtSize(D);
+  lambda = stiffness[triangle(n, 0, 1)];
+  mu = stiffness[triangle(n, n - 1, n - 1)];
+  const ElasticLaw same = ofLame(lambda, mu);
+  const double largest = *std::ranges::max_element(stiffness);
+  for (std::size_t k = 0; k < stiffness.size(); ++k)
+    if (std::abs(stiffness[k] - same.stiffness[k]) > 1e-12 * largest)
+      return false;
+  return true;
+}
+
+template <int D>
+void ElasticSystem<D>::setLaws()
+{
+  scale_ = 0;
+  isotropic_ = true;
+  double lambda = 0;
+  double mu = 0;
+  for (const ElasticLaw<D>& law : problem_.laws)
+  {
+    scale_ = std::max(scale_, *std::ranges::max_element(law.stiffness));
+    isotropic_ = isotropic_ && law.isotropic(lambda, mu);
+  }
+  const double factor = cornerFactor<D> * cornerFactor<D> / scale_;
+  for (auto& table : exactTable_)
+    table.assign(256, 0.0);
+  for (std::size_t id = 0; id < problem_.laws.size(); ++id)
+  {
+    const ElasticLaw<D>& law = problem_.laws[id];
+    if (isotropic_)
+    {
+      (void)law.isotropic(lambda, mu);
+      exactTable_[0][id] = factor * lambda;
+      exactTable_[1][id] = factor * mu;
+    }
+    else
+      for (std::size_t k = 0; k < law.stiffness.size(); ++k)
+        exactTable_[k][id] = factor * law.stiffness[k];
+  }
+  for (std::size_t k = 0; k < table_.size(); ++k)
+    table_[k].assign(exactTable_[k].begin(), exactTable_[k].end());
+}
+
+template <int D>
+double ElasticSystem<D>::largestEigenvalue(std::array<double, D> widths) const
+{
+  constexpr int corners = 1 << D;
+  constexpr int rows = corners / 2;
+  constexpr int n = D * corners;
+  constexpr std::int64_t length = 2 + spareValues;
+  const double shortest = *std::ranges::min_element(widths);
+  std::vector<double> u(D * rows * length);
+  std::vector<double> q(D * rows * length);
+  std::vector<float> stretch(length, 0.0F);
+  std::array<std::vector<double>, stiffnessSize(D)> moduli;
+  ElasticRow<D, double> row{};
+  row.count = 1;
+  row.isotropic = isotropic_;
+  row.stretchX = stretch.data();
+  stretch[0] = static_cast<float>(shortest / widths[0]);
+  for (std::size_t a = 1; a < D; ++a)
+    row.stretch[a] = shortest / widths[a];
+  double* out[D][rows];
+  for (int c = 0; c < D; ++c)
+    for (int r = 0; r < rows; ++r)
+    {
+      row.u[c][r] = u.data() + (c * rows + r) * length;
+      out[c][r] = q.data() + (c * rows + r) * length;
+    }
+  // Coarse elements have means of the phases' stiffness, and what is to be bounded is largest for one of them, or where
+  // λ is 2 μ: between these a matrix over its trace is quasi-convex.
+  std::vector<std::array<double, stiffnessSize(D)>> stiffness;
+  for (std::size_t id = 0; id < problem_.laws.size(); ++id)
+    if (!problem_.laws[id].isVoid())
+      for (std::size_t k = 0; k < moduli.size(); ++k)
+        (k == 0 ? stiffness.emplace_back() : stiffness.back())[k] = exactTable_[k][id];
+  if (isotropic_ && !stiffness.empty())
+    stiffness.push_back({ 2, 1 });
+  double largest = 0;
+  for (const auto& values : stiffness)
+  {
+    for (std::size_t k = 0; k < moduli.size(); ++k)
+    {
+      moduli[k].assign(length, 0.0);
+      moduli[k][0] = values[k];
+      row.moduli[k] = moduli[k].data();
+    }
+    Eigen::Matrix<double, n, n> matrix;
+    const auto place = [&](int m)
+    { return static_cast<std::size_t>((m / corners * rows + m % corners / 2) * length + m % 2); };
+    for (int m = 0; m < n; ++m)
+    {
+      std::ranges::fill(u, 0.0);
+      std::ranges::fill(q, 0.0);
+      u[place(m)] = 1;
+      if constexpr (D == 2)
+        elasticKernels().planeDouble(row, out);
+      else
+        elasticKernels().spaceDouble(row, out);
+      for (int l = 0; l < n; ++l)
+        matrix(l, m) = q[place(l)];
+    }
+    const double diagonal = matrix.trace() / n;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, n, n>> modes(matrix, Eigen::EigenvaluesOnly);
+    largest = std::max(largest, modes.eigenvalues()(n - 1) / diagonal);
+  }
+  return largest;
+}
+
+template <int D>
+ElasticSystem<D>::ElasticSystem(const ElasticProblem<D>& problem, const ElasticOptions& options)
+  : problem_(problem)
+  , options_(options)
+{
+  setLaws();
+  ElasticGrid<D> grid;
+  grid.elements = problem.elements;
+  grid.periodic = problem.periodic;
+  grid.held = problem.held;
+  const auto isCube = [](double a) { return a == 0 || a == 1; };
+  if (!std::ranges::all_of(problem.aspect, isCube))
+    for (std::size_t a = 0; a < D; ++a)
+      grid.width[a].assign(
+        static_cast<std::size_t>(grid.elements[a]), static_cast<float>(problem.aspect[a] == 0 ? 1 : problem.aspect[a]));
+  const std::int64_t nx = grid.elements[0];
+  const std::int64_t ny = grid.elementRows();
+  const auto ids = [this, nx, ny](std::int64_t row, std::int64_t plane)
+  { return problem_.phase.data() + nx * (row + ny * plane); };
+  const int kinds = isotropic_ ? 2 : stiffnessSize(D);
+  const auto copied = [nx, kinds](const std::uint8_t* id, const auto& table, auto* const* buffer)
+  {
+    for (int k = 0; k < kinds; ++k)
+      for (std::int64_t i = 0; i < nx; ++i)
+        buffer[k][i] = table[static_cast<std::size_t>(k)][id[i]];
+  };
+  const ModuliRows<float> single = [this, nx, kinds, ids, copied](
+                                     std::int64_t row, std::int64_t plane, float* const* buffer, const float** rows)
+  {
+    if (isotropic_)
+      elasticKernels().lookUp(nx, ids(row, plane), table_[0].data(), table_[1].data(), buffer[0], buffer[1]);
+    else
+      copied(ids(row, plane), table_, buffer);
+    std::copy_n(buffer, kinds, rows);
+  };
+  const ModuliRows<double> exact = [this, kinds, ids, copied](
+                                     std::int64_t row, std::int64_t plane, double* const* buffer, const double** rows)
+  {
+    copied(ids(row, plane), exactTable_, buffer);
+    std::copy_n(buffer, kinds, rows);
+  };
+  op_ = std::make_unique<ElasticOperator<D>>(grid, isotropic_, single, exact, problem.threads);
+  multigrid_ = std::make_unique<ElasticMultigrid<D>>(
+    *op_, [this](std::array<double, D> widths) { return largestEigenvalue(widths); }, options.multigrid);
+  const std::size_t n = grid.values();
+  if (options_.fields)
+    exact_.assign(n, 0.0);
+  else
+    x_.assign(n, 0.0F);
+  r_.assign(n, 0.0F);
+  p_.assign(n, 0.0F);
+  z_.assign(n, 0.0F);
+}
+
+template <int D>
+std::size_t ElasticSystem<D>::bytes() const noexcept
+{
+  return sizeof(float) * (x_.size() + r_.size() + p_.size() + z_.size() + 2 * exact_.size()) + problem_.phase.size() +
+    op_->bytes() + multigrid_->bytes();
+}
+
+template <int D>
+ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
+{
+  const ElasticGrid<D>& g = op_->grid();
+  const ElasticKernels& kernels = elasticKernels();
+  const std::int64_t own = g.nodes(0);
+  const std::int64_t component = g.componentStride();
+  const std::int64_t plane = g.planeStride();
+  const auto planes = static_cast<std::size_t>(g.planes());
+  const int threads = op_->threads();
+  std::vector<double> parts(planes);
+  const auto total = [&] { return std::accumulate(parts.begin(), parts.end(), 0.0); };
+
+  // r = −(A x + what the load gives)
+  const auto residual = [&]
+  {
+    std::ranges::fill(parts, 0.0);
+    const auto set = [&](int, std::int64_t k, std::int64_t j, auto* const* sums)
+    {
+      for (int c = 0; c < D; ++c)
+      {
+        float* const out = r_.data() + c * component + g.at(j, k);
+        for (std::int64_t i = 0; i < g.rowLength(); ++i)
+          out[i] = static_cast<float>(-sums[c][i]);
+        parts[static_cast<std::size_t>(k)] += kernels.dot(own, out, out);
+      }
+    };
+    if (options_.fields)
+      op_->template sweep<double>(exact_.data(), &load, false, set);
+    else
+      op_->template sweep<float>(x_.data(), &load, false, set);
+    return total();
+  };
+  std::ranges::fill(x_, 0.0F);
+  std::ranges::fill(exact_, 0.0);
+  std::ranges::fill(p_, 0.0F);
+  ElasticResult<D> result;
+  double rr = residual();
+  const double first = rr;
+  // what rounding leaves of the load's forces
+  const double floor = (options_.fields ? 1e-28 : 1e-14) * static_cast<double>(g.ownNodes()) *
+    std::inner_product(load.strain.begin(), load.strain.end(), load.strain.begin(), 0.0) * cornerFactor<D> *
+    cornerFactor<D>;
+  const double goal = std::max(options_.tolerance * options_.tolerance * first, floor);
+  const auto forPlanes = [&](auto&& f)
+  {
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+    for (std::int64_t k = 0; k < g.planes(); ++k)
+    {
+      double sum = 0;
+      for (int c = 0; c < D; ++c)
+        for (std::int64_t j = 0; j < g.rows(); ++j)
+          sum += f(c * component + g.at(j, k));
+      parts[static_cast<std::size_t>(k)] = sum;
+    }
+    return total();
+  };
+  // x and r take a step; copies at the ends of rows move as the first nodes, and count once
+  const auto step = [&](double alpha)
+  {
+    return forPlanes(
+      [&](std::int64_t at)
+      {
+        const std::int64_t end = at + g.elements[0];
+        double sum = 0;
+        if (options_.fields)
+          sum = kernels.stepDouble(own, alpha, p_.data() + at, z_.data() + at, exact_.data() + at, r_.data() + at);
+        else
+          sum = kernels.step(own, alpha, p_.data() + at, z_.data() + at, x_.data() + at, r_.data() + at);
+        if (g.periodic[0])
+        {
+          r_[static_cast<std::size_t>(end)] = r_[static_cast<std::size_t>(at)];
+          if (options_.fields)
+            exact_[static_cast<std::size_t>(end)] = exact_[static_cast<std::size_t>(at)];
+          else
+            x_[static_cast<std::size_t>(end)] = x_[static_cast<std::size_t>(at)];
+        }
+        return sum;
+      });
+  };
+
+  for (bool fresh = true; rr > goal && result.iterations < options_.maxIterations;)
+  {
+    // with displacements in double the residual is made anew before single precision has lost it
+    const double start = rr;
+    const double until = options_.fields ? std::max(goal, mostFall * mostFall * start) : goal;
+    double rzBefore = 1;
+    fresh = true;
+    while (rr > until && result.iterations < options_.maxIterations)
+    {
+      multigrid_->cycle(r_.data(), z_.data());
+      const double rz = forPlanes([&](std::int64_t at) { return kernels.dot(own, r_.data() + at, z_.data() + at); });
+      if (!(rz > 0))
+        break;
+      const auto beta = static_cast<float>(fresh ? 0.0 : rz / rzBefore);
+      fresh = false;
+      rzBefore = rz;
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+      for (std::int64_t k = 0; k < g.planes(); ++k)
+        for (int c = 0; c < D; ++c)
+          kernels.direct(plane, beta, z_.data() + c * component + k * plane, p_.data() + c * component + k * plane);
+      std::ranges::fill(parts, 0.0);
+      op_->template sweep<float>(p_.data(), nullptr, false,
+        [&](int, std::int64_t k, std::int64_t j, float* const* sums)
+        {
+          for (int c = 0; c < D; ++c)
+          {
+            const std::int64_t at = c * component + g.at(j, k);
+            std::copy_n(sums[c], g.rowLength(), z_.data() + at);
+            parts[static_cast<std::size_t>(k)] += kernels.dot(own, sums[c], p_.data() + at);
+          }
+        });
+      const double pq = total();
+      if (!(pq > 0))
+        break;
+      rr = step(rz / pq);
+      ++result.iterations;
+      if (options_.progress)
+        options_.progress(result.iterations, std::sqrt(rr / first));
+    }
+    if (!options_.fields)
+      break;
+    rr = residual();
+    if (!(rr < leastProgress * start))
+      break; // as far as it goes
+  }
+  result.residual = first > 0 ? std::sqrt(rr / first) : 0.0;
+
+  constexpr std::size_t n = voigtSize(D);
+  std::vector<std::array<double, n + 1>> rows(static_cast<std::size_t>(g.elementRows() * g.elementPlanes()));
+  const auto sum = [&](
+                     std::int64_t row, std::int64_t k, const double* const* stress, const double* const*, double energy)
+  {
+    auto& part = rows[static_cast<std::size_t>(row + g.elementRows() * k)];
+    for (std::size_t v = 0; v < n; ++v)
+      part[v] = std::accumulate(stress[v], stress[v] + g.elements[0], 0.0);
+    part[n] = energy;
+  };
+  if (options_.fields)
+    op_->template forStresses<double>(exact_.data(), &load, sum);
+  else
+    op_->template forStresses<float>(x_.data(), &load, sum);
+  const double voxels = static_cast<double>(g.elements[0] * g.elementRows() * g.elementPlanes());
+  for (const auto& part : rows)
+  {
+    for (std::size_t v = 0; v < n; ++v)
+      result.stress[v] += scale_ * part[v] / voxels;
+    result.energy += scale_ * part[n] / voxels;
+  }
+  return result;
+}
+
+template struct ElasticLaw<2>;
+template struct ElasticLaw<3>;
+template class ElasticSystem<2>;
+template class ElasticSystem<3>;
+
+} // namespace lamella::elasticity

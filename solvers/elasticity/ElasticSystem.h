@@ -1,0 +1,95 @@
+#pragma once
+
+#include "elasticity/ElasticMultigrid.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace lamella::elasticity
+{
+
+/// A phase's stiffness: the upper triangle of C in Voigt's order, row by row [Pa]; all 0 for a void.
+template <int D>
+struct ElasticLaw
+{
+  std::array<double, stiffnessSize(D)> stiffness{};
+
+  [[nodiscard]] bool isVoid() const
+  {
+    return std::ranges::all_of(
+      stiffness, [](double c) { return c == 0; });
+  }
+  /// λ and μ where it is isotropic to round-off.
+  [[nodiscard]] bool isotropic(double& lambda, double& mu) const;
+  [[nodiscard]] static ElasticLaw ofLame(double lambda, double mu);
+};
+
+template <int D>
+struct ElasticProblem
+{
+  std::array<std::int64_t, D> elements{};
+  std::array<double, D> aspect{}; ///< edges of a voxel over that along x; 0: 1
+  std::array<bool, D> periodic{};
+  std::array<std::array<bool, D>, D> held{}; ///< as ElasticGrid's
+  std::span<const std::uint8_t> phase;       ///< of each voxel, x fastest
+  std::vector<ElasticLaw<D>> laws;           ///< by phase
+  int threads = 1;
+};
+
+struct ElasticOptions
+{
+  double tolerance = 1e-5; ///< of the residual's norm, relative to the first
+  int maxIterations = 500;
+  bool fields = false; ///< displacements in double, for stresses: D more values of 4 bytes a node
+  ElasticMultigridOptions multigrid;
+  std::function<void(int iteration, double residual)> progress;
+};
+
+template <int D>
+struct ElasticResult
+{
+  std::array<double, voigtSize(D)> stress{}; ///< mean over the box [Pa]
+  double energy = 0;                         ///< mean of σ : ε [Pa]
+  double residual = 0;                       ///< relative
+  int iterations = 0;
+};
+
+/// Displacements in a box of voxels, one bilinear or trilinear element each, under a mean strain: conjugate gradients
+/// in single precision, sums in double, preconditioned by ElasticMultigrid.
+///
+/// Memory: four numbers of 4 bytes for each component at each node, phases, and an eighth of 44 bytes a voxel in space
+/// (a quarter of 28 in the plane) for coarse levels.
+template <int D>
+class ElasticSystem
+{
+public:
+  ElasticSystem(const ElasticProblem<D>& problem, const ElasticOptions& options);
+  ElasticSystem(const ElasticSystem&) = delete;
+  ElasticSystem& operator=(const ElasticSystem&) = delete;
+
+  [[nodiscard]] ElasticResult<D> solve(const ElasticLoad<D>& load);
+  [[nodiscard]] std::size_t bytes() const noexcept;
+  [[nodiscard]] std::size_t levels() const noexcept { return multigrid_->levels(); }
+  [[nodiscard]] const ElasticOperator<D>& op() const noexcept { return *op_; }
+
+private:
+  [[nodiscard]] double largestEigenvalue(std::array<double, D> widths) const;
+  void setLaws();
+
+  ElasticProblem<D> problem_;
+  ElasticOptions options_;
+  double scale_ = 1; ///< the largest modulus [Pa]
+  bool isotropic_ = true;
+  std::array<std::vector<float>, stiffnessSize(D)> table_; ///< by phase id
+  std::array<std::vector<double>, stiffnessSize(D)> exactTable_;
+  std::unique_ptr<ElasticOperator<D>> op_;
+  std::unique_ptr<ElasticMultigrid<D>> multigrid_;
+  std::vector<float> x_, r_, p_, z_; ///< z: preconditioned residual, then the product with the direction
+  std::vector<double> exact_;        ///< in place of x_
+};
+
+} // namespace lamella::elasticity
