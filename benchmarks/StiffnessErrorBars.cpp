@@ -31,6 +31,7 @@ namespace
 using namespace lamella;
 using namespace lamella::benchmark;
 using namespace lamella::peridynamics;
+using namespace lamella::elasticity;
 
 /// A geometry in a box 1 wide and `height` high, and Young's moduli of its phases 0 and 1; 0: void.
 struct Material

@@ -1,5 +1,7 @@
 #include "elasticity/ElasticOperator.h"
 
+#include "elasticity/ElasticSweep.h"
+
 namespace lamella::elasticity
 {
 namespace

@@ -126,5 +126,3 @@ template <int D>
 inline constexpr double cornerFactor = 1.0 / (1 << (D - 1));
 
 } // namespace lamella::elasticity
-
-#include "elasticity/ElasticSweep.h"

@@ -1,5 +1,10 @@
 #include "elasticity/ElasticSystem.h"
 
+#include "core/Error.h"
+#include "elasticity/ElasticSweep.h"
+
+#include <fmt/format.h>
+
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -11,6 +16,9 @@ namespace
 
 constexpr double mostFall = 1e-4;      // of the residual between two that are made anew
 constexpr double leastProgress = 0.25; // of its square, or no more is tried
+// What the energy has fallen in the last steps is what it still had to fall before them, at least (Strakoš & Tichý,
+// Electron. Trans. Numer. Anal. 13 (2002) 56).
+constexpr int delay = 4;
 
 } // namespace
 
@@ -200,6 +208,38 @@ std::size_t ElasticSystem<D>::bytes() const noexcept
 }
 
 template <int D>
+std::array<double, voigtSize(D) * voigtSize(D)> ElasticSystem<D>::voigtBound() const
+{
+  std::array<double, 256> counts{};
+  for (const std::uint8_t id : problem_.phase)
+    ++counts[id];
+  constexpr int n = voigtSize(D);
+  std::array<double, n * n> mean{};
+  for (std::size_t id = 0; id < problem_.laws.size(); ++id)
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        mean[static_cast<std::size_t>(i * n + j)] += counts[id] / static_cast<double>(problem_.phase.size()) *
+          problem_.laws[id].stiffness[static_cast<std::size_t>(triangle(n, i, j))];
+  return mean;
+}
+
+namespace
+{
+
+template <int D>
+[[noreturn]] void fail(const ElasticResult<D>& result, int most)
+{
+  if (result.iterations >= most)
+    throw DivergenceError(fmt::format("the stiffness still errs by {:.1e} after {} iterations of elements",
+                            result.solverError, result.iterations),
+      "allow more iterations, or a larger tolerance");
+  throw DivergenceError(fmt::format("displacements are not finite after {} iterations of elements", result.iterations),
+    "please report this with the picture and the materials");
+}
+
+} // namespace
+
+template <int D>
 ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
 {
   const ElasticGrid<D>& g = op_->grid();
@@ -242,7 +282,20 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   const double floor = (options_.fields ? 1e-28 : 1e-14) * static_cast<double>(g.ownNodes()) *
     std::inner_product(load.strain.begin(), load.strain.end(), load.strain.begin(), 0.0) * cornerFactor<D> *
     cornerFactor<D>;
-  const double goal = std::max(options_.tolerance * options_.tolerance * first, floor);
+  // energies in units of the kernels, summed over voxels
+  const auto voxels = static_cast<double>(g.elements[0] * g.elementRows() * g.elementPlanes());
+  double whole = 0;
+  if (!load.initial)
+  {
+    const auto bound = voigtBound();
+    constexpr std::size_t m = voigtSize(D);
+    for (std::size_t a = 0; a < m; ++a)
+      for (std::size_t b = 0; b < m; ++b)
+        whole += voxels / scale_ * bound[a * m + b] * load.strain[a] * load.strain[b];
+  }
+  std::array<double, delay> falls{};
+  double fallen = 0;
+  bool converged = !(rr > floor);
   const auto forPlanes = [&](auto&& f)
   {
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
@@ -280,15 +333,17 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       });
   };
 
-  for (bool fresh = true; rr > goal && result.iterations < options_.maxIterations;)
+  for (bool fresh = true; !converged;)
   {
     // with displacements in double the residual is made anew before single precision has lost it
     const double start = rr;
-    const double until = options_.fields ? std::max(goal, mostFall * mostFall * start) : goal;
+    const double until = options_.fields ? std::max(floor, mostFall * mostFall * start) : floor;
     double rzBefore = 1;
     fresh = true;
-    while (rr > until && result.iterations < options_.maxIterations)
+    while (rr > until && !converged)
     {
+      if (result.iterations >= options_.maxIterations)
+        fail(result, options_.maxIterations);
       multigrid_->cycle(r_.data(), z_.data());
       const double rz = forPlanes([&](std::int64_t at) { return kernels.dot(own, r_.data() + at, z_.data() + at); });
       if (!(rz > 0))
@@ -314,16 +369,23 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       const double pq = total();
       if (!(pq > 0))
         break;
-      rr = step(rz / pq);
+      const double alpha = rz / pq;
+      rr = step(alpha);
+      if (!std::isfinite(rr))
+        fail(result, options_.maxIterations);
+      falls[static_cast<std::size_t>(result.iterations % delay)] = alpha * rz;
+      fallen += alpha * rz;
       ++result.iterations;
-      if (options_.progress)
-        options_.progress(result.iterations, std::sqrt(rr / first));
+      const double unit = load.initial ? fallen : std::max(whole - fallen, 1e-12 * whole);
+      result.solverError = std::min(1.0, std::accumulate(falls.begin(), falls.end(), 0.0) / unit);
+      converged = result.iterations >= delay && result.solverError <= options_.tolerance;
+      if (options_.progress && !options_.progress(result.iterations, result.solverError))
+        throw Cancelled();
     }
-    if (!options_.fields)
+    if (!options_.fields || converged)
       break;
     rr = residual();
-    if (!(rr < leastProgress * start))
-      break; // as far as it goes
+    converged = rr <= floor || !(rr < leastProgress * start); // as far as it goes
   }
   result.residual = first > 0 ? std::sqrt(rr / first) : 0.0;
 
@@ -341,7 +403,6 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
     op_->template forStresses<double>(exact_.data(), &load, sum);
   else
     op_->template forStresses<float>(x_.data(), &load, sum);
-  const double voxels = static_cast<double>(g.elements[0] * g.elementRows() * g.elementPlanes());
   for (const auto& part : rows)
   {
     for (std::size_t v = 0; v < n; ++v)

@@ -42,11 +42,13 @@ struct ElasticProblem
 
 struct ElasticOptions
 {
-  double tolerance = 1e-5; ///< of the residual's norm, relative to the first
+  /// Of the energy, relative. Fields err by its root; mean stresses across the mean strain by something between.
+  double tolerance = 1e-6;
   int maxIterations = 500;
   bool fields = false; ///< displacements in double, for stresses: D more values of 4 bytes a node
   ElasticMultigridOptions multigrid;
-  std::function<void(int iteration, double residual)> progress;
+  /// Told the share that is left of the energy's error, estimated; false cancels.
+  std::function<bool(int iteration, double error)> progress;
 };
 
 template <int D>
@@ -54,7 +56,8 @@ struct ElasticResult
 {
   std::array<double, voigtSize(D)> stress{}; ///< mean over the box [Pa]
   double energy = 0;                         ///< mean of σ : ε [Pa]
-  double residual = 0;                       ///< relative
+  double solverError = 0;                    ///< of the energy, relative, estimated
+  double residual = 0;                       ///< relative to that of no displacements
   int iterations = 0;
 };
 
@@ -71,7 +74,13 @@ public:
   ElasticSystem(const ElasticSystem&) = delete;
   ElasticSystem& operator=(const ElasticSystem&) = delete;
 
+  /// @throws DivergenceError; Cancelled
   [[nodiscard]] ElasticResult<D> solve(const ElasticLoad<D>& load);
+  /// Displacements, what the mean strain does left out, of the last solve [edges of a voxel along x]: one component of
+  /// one row of nodes after the other, as ElasticGrid has them. With `fields` only.
+  [[nodiscard]] std::span<const double> displacements() const noexcept { return exact_; }
+  /// Mean stiffness of the voxels, by rows [Pa]: all of them follow the mean strain.
+  [[nodiscard]] std::array<double, voigtSize(D) * voigtSize(D)> voigtBound() const;
   [[nodiscard]] std::size_t bytes() const noexcept;
   [[nodiscard]] std::size_t levels() const noexcept { return multigrid_->levels(); }
   [[nodiscard]] const ElasticOperator<D>& op() const noexcept { return *op_; }

@@ -183,7 +183,7 @@ EffectiveStiffness effectiveStiffness(const BondLattice& bonds, const Equilibriu
       result.stiffness[r * n + c] = stress[r];
   }
   result.asymmetry = symmetrise(result.stiffness, n);
-  result.constants = elasticConstants(result.stiffness, l.dimension, zeroShare(options));
+  result.constants = elasticity::elasticConstants(result.stiffness, l.dimension, zeroShare(options));
   return result;
 }
 

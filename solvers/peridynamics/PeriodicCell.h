@@ -1,7 +1,7 @@
 #pragma once
 
 #include "peridynamics/CellBounds.h"
-#include "peridynamics/ElasticConstants.h"
+#include "elasticity/ElasticConstants.h"
 #include "peridynamics/Equilibrium.h"
 
 #include <array>
@@ -18,7 +18,7 @@ struct EffectiveStiffness
   std::vector<double> stiffness; ///< components², by rows; symmetric
   double asymmetry = 0;          ///< largest difference of two opposite components as solved, over the largest of all
   CellBounds bounds;
-  ElasticConstants constants;
+  elasticity::ElasticConstants constants;
   std::array<bool, 3> crosses{}; ///< along which axes some piece of the solid goes on into the next cell
   std::int64_t pieces = 0;
   std::int64_t loosePieces = 0; ///< of them: they go on nowhere and were taken out, for they carry nothing

@@ -1,17 +1,15 @@
 #include "peridynamics/SideMatch.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 
 namespace lamella::peridynamics
 {
 
-std::array<SideMatch, 3> sideMatch(const BondLattice& bonds, std::span<const std::uint8_t> phase)
+std::array<elasticity::SideMatch, 3> sideMatch(const BondLattice& bonds, std::span<const std::uint8_t> phase)
 {
   const NodeLayout& l = bonds.layout();
   const NodeField<float> ids = bonds.fieldOf(phase);
-  std::array<SideMatch, 3> match;
+  std::array<elasticity::SideMatch, 3> match;
   for (std::size_t a = 0; a < static_cast<std::size_t>(l.dimension); ++a)
   {
     // pairs that differ, by the layer before them; the last is the seam
@@ -29,21 +27,6 @@ std::array<SideMatch, 3> sideMatch(const BondLattice& bonds, std::span<const std
     match[a].inside = *std::max_element(differ.begin(), differ.end() - 1) / section;
   }
   return match;
-}
-
-std::vector<std::string> sideWarnings(const std::array<SideMatch, 3>& match, int dimension)
-{
-  constexpr double worse = 1.5;
-  constexpr double few = 0.02;
-  std::vector<std::string> warnings;
-  for (std::size_t a = 0; a < static_cast<std::size_t>(dimension); ++a)
-    if (match[a].across > worse * match[a].inside + few)
-      warnings.push_back(fmt::format(
-        "the sample is taken as a cell that repeats, but its sides do not fit together along {}: {:.0f} % of the nodes "
-        "meet another phase there, and at most {:.0f} % in any layer within. The seam is part of the answer; a larger "
-        "sample has less of it",
-        "xyz"[a], 100 * match[a].across, 100 * match[a].inside));
-  return warnings;
 }
 
 } // namespace lamella::peridynamics

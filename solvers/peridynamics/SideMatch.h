@@ -1,29 +1,19 @@
 #pragma once
 
+#include "elasticity/SideMatch.h"
 #include "peridynamics/BondLattice.h"
 
 #include <array>
 #include <cstdint>
 #include <span>
-#include <string>
-#include <vector>
 
 namespace lamella::peridynamics
 {
 
-/// How a picture goes on where it is made to begin again.
-struct SideMatch
-{
-  double across = 0; ///< share of the pairs of nodes across the seam that differ in phase
-  double inside = 0; ///< the largest such share between two neighbouring layers within the picture
-};
-
-/// By axis. Collective.
+/// As elasticity::sideMatch(), of a picture that ranks share. Collective.
 /// @param bonds periodic along every axis
 /// @param phase of the rank's slab
-[[nodiscard]] std::array<SideMatch, 3> sideMatch(const BondLattice& bonds, std::span<const std::uint8_t> phase);
-
-/// A sentence for each axis along which opposite sides fit together worse than any two layers within.
-[[nodiscard]] std::vector<std::string> sideWarnings(const std::array<SideMatch, 3>& match, int dimension);
+[[nodiscard]] std::array<elasticity::SideMatch, 3> sideMatch(
+  const BondLattice& bonds, std::span<const std::uint8_t> phase);
 
 } // namespace lamella::peridynamics

@@ -118,10 +118,10 @@ public:
 
   /// @param progress told the nodes of all pictures before one and its own
   /// @return of every second pixel first; none where all the work went before one was solved
-  std::vector<SubsampleTensors> solve(
+  std::vector<elasticity::SubsampleTensors> solve(
     const std::function<std::function<bool(double)>(double, double)>& progress, StiffnessResult& r)
   {
-    std::vector<SubsampleTensors> answers;
+    std::vector<elasticity::SubsampleTensors> answers;
     double left = workOfEstimate * workOf(r.steps.front());
     double done = 0;
     for (const int stride : strides)
@@ -129,7 +129,7 @@ public:
       if (!serves(stride))
         continue;
       CellThinning t = thinning(stride);
-      SubsampleTensors answer{ t.pixels.stride, {} };
+      elasticity::SubsampleTensors answer{ t.pixels.stride, {} };
       StiffnessStep sum{ t.pixels.stride, 0, 0, {}, {}, 0 };
       for (const auto& first : starts(stride))
       {
@@ -253,7 +253,7 @@ constexpr std::int64_t manyIterations = 200;
 std::string doubtOfSolver(const EffectiveStiffness& cell, int dimension)
 {
   constexpr double noted = 0.01;
-  const std::vector<std::string> names = voigtNames(dimension);
+  const std::vector<std::string> names = elasticity::voigtNames(dimension);
   std::string which;
   double worst = 0;
   for (std::size_t a = 0; a < names.size(); ++a)
@@ -312,7 +312,7 @@ std::vector<std::string> warningsOf(const BondModel& model, const Lattice& latti
   const std::string doubt = doubtOfSolver(cell, dimension);
   if (!doubt.empty())
     warnings.push_back(doubt);
-  const std::vector<std::string> sides = sideWarnings(r.sides, dimension);
+  const std::vector<std::string> sides = elasticity::sideWarnings(r.sides, dimension);
   warnings.insert(warnings.end(), sides.begin(), sides.end());
   return warnings;
 }
@@ -376,12 +376,12 @@ StiffnessResult studyStiffness(const BondModel& given, const Lattice& lattice, s
       const double ahead = std::max(1.0, coarser.foreseen());
       const auto told = [&](double done, double nodes)
       { return stretch(own + own * done / ahead, own * nodes / ahead); };
-      const std::vector<SubsampleTensors> tensors = coarser.solve(told, r);
+      const std::vector<elasticity::SubsampleTensors> tensors = coarser.solve(told, r);
       if (tensors.empty())
         unknown(
           fmt::format("coarser pictures of the cell took {:g} times its own work and were not done", workOfEstimate));
       else
-        r.error = stiffnessError(r.cell.stiffness, tensors, d, anisotropy / (1 - anisotropy),
+        r.error = elasticity::stiffnessError(r.cell.stiffness, tensors, d, anisotropy / (1 - anisotropy),
           std::max(1e-10, 10 * options.equilibrium.tolerance));
     }
     catch (const Cancelled&)

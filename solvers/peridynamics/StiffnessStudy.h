@@ -1,9 +1,9 @@
 #pragma once
 
+#include "elasticity/StiffnessError.h"
 #include "peridynamics/ElasticStudy.h"
 #include "peridynamics/PeriodicCell.h"
 #include "peridynamics/SideMatch.h"
-#include "peridynamics/StiffnessError.h"
 
 #include <cstdint>
 #include <span>
@@ -43,10 +43,10 @@ struct StiffnessStep
 struct StiffnessResult : SampleCounts
 {
   EffectiveStiffness cell; ///< at the sample's own spacing
-  StiffnessError error;
+  elasticity::StiffnessError error;
   std::vector<StiffnessStep> steps; ///< every solve, in order
 
-  std::array<SideMatch, 3> sides{};
+  std::array<elasticity::SideMatch, 3> sides{};
   std::vector<std::string> warnings; ///< each one line, with its numbers
 
   double bondSeconds = 0;  ///< making the bonds

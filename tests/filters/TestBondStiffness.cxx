@@ -23,6 +23,7 @@ namespace
 using namespace lamella;
 using vtktest::errorOf;
 using vtktest::picture;
+namespace el = lamella::elasticity;
 namespace pd = lamella::peridynamics;
 
 class BondStiffness : public vtktest::OnBonds
@@ -87,11 +88,11 @@ TEST_F(BondStiffness, IsTheSolver)
     EXPECT_EQ(fieldNumbers(output, "stiffness_extrapolated"), r.error.extrapolated);
     EXPECT_EQ(fieldNumbers(output, "stiffness_error"), r.error.components);
     EXPECT_EQ(fieldNumbers(output, "stiffness_voigt"), r.cell.bounds.voigt);
-    EXPECT_EQ(fieldNumbers(output, "constants"), pd::constantValues(r.cell.constants));
+    EXPECT_EQ(fieldNumbers(output, "constants"), el::constantValues(r.cell.constants));
     EXPECT_EQ(fieldNumbers(output, "constants_error"), r.error.ofConstants);
     EXPECT_EQ(filter->GetEstimatedError(), r.error.relative);
-    EXPECT_EQ(fieldTexts(output, "stiffness_components"), pd::voigtNames(d));
-    EXPECT_EQ(fieldTexts(output, "constant_names"), pd::constantNames(d));
+    EXPECT_EQ(fieldTexts(output, "stiffness_components"), el::voigtNames(d));
+    EXPECT_EQ(fieldTexts(output, "constant_names"), el::constantNames(d));
     EXPECT_EQ(fieldTexts(output, "warnings"), r.warnings);
     std::vector<double> every;
     for (const pd::StiffnessStep& step : r.steps)
@@ -108,7 +109,7 @@ TEST_F(BondStiffness, IsTheSolver)
     for (std::size_t a = 0; a < n; ++a)
     {
       const auto row = static_cast<vtkIdType>(a);
-      EXPECT_EQ(tensor->GetValueByName(row, "stress").ToString(), pd::voigtNames(d)[a]);
+      EXPECT_EQ(tensor->GetValueByName(row, "stress").ToString(), el::voigtNames(d)[a]);
       EXPECT_EQ(tensor->GetValueByName(row, "yy").ToDouble(), r.cell.stiffness[a * n + 1]);
       EXPECT_EQ(tensor->GetValueByName(row, "error_xy").ToDouble(), r.error.components[a * n + n - 1]);
     }

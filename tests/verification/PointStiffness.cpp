@@ -6,7 +6,7 @@
 #include "lattice/Phases.h"
 #include "mpm/WallCells.h"
 #include "mpm/WallMaterial.h"
-#include "peridynamics/ElasticConstants.h"
+#include "elasticity/ElasticConstants.h"
 #include "pictures/Picture.h"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ TEST(PointStiffness, BlockAtAnyAngle)
     const double s = std::sin(t);
     const Body<2> body({ 1.0, 0.8 }, { 10, 8 }, 2, full, { { c, s } });
     const auto r = body.solve(*law, periodic);
-    const auto constants = peridynamics::elasticConstants(r.stiffness, 2);
+    const auto constants = elasticity::elasticConstants(r.stiffness, 2);
     const double slant = 1 / 0.7e9 - 2 * 0.3 / 8e9;
     const auto modulus = [&](double cos, double sin)
     { return 1 / (std::pow(cos, 4) / 8e9 + std::pow(sin, 4) / 2e9 + slant * cos * cos * sin * sin); };
@@ -98,7 +98,7 @@ TEST(PointStiffness, BlockInSpace)
   const double s = std::sqrt(0.5);
   const Body<3> body({ 1, 1.2, 1 }, { 5, 6, 5 }, 2, full, { { s, 0, s } });
   PointStiffnessOptions<3> o = body.options({ BoxSides::Periodic, BoxSides::Periodic, BoxSides::Periodic });
-  const auto c = peridynamics::elasticConstants(pointStiffness(body.points, *law, o).stiffness, 3);
+  const auto c = elasticity::elasticConstants(pointStiffness(body.points, *law, o).stiffness, 3);
   const double slant = 1 / (0.25 / 8e9 + 0.25 / 2e9 + 0.25 * (1 / 0.7e9 - 0.6 / 8e9));
   EXPECT_NEAR(c.youngsModulus[0], slant, 1e-9 * 8e9);
   EXPECT_NEAR(c.youngsModulus[1], 2e9, 1e-9 * 8e9);
@@ -119,7 +119,7 @@ TEST(PointStiffness, Layers)
   {
     const Body<2> body(
       { 1, 1 }, { n, n }, 2, [](const std::array<double, 2>& x) { return x[1] > 0.25 && x[1] < 0.75 ? 2 : 1; });
-    const auto c = peridynamics::elasticConstants(body.solve(*plain(0, 10), periodic).stiffness, 2);
+    const auto c = elasticity::elasticConstants(body.solve(*plain(0, 10), periodic).stiffness, 2);
     EXPECT_NEAR(c.youngsModulus[0], 5.5 * young, 1e-8 * young);
     const double exact = 2 / (1 + 0.1) * young;
     const double error = c.youngsModulus[1] / exact - 1;

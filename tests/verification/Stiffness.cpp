@@ -16,6 +16,7 @@ namespace
 {
 
 using namespace lamella;
+using namespace lamella::elasticity;
 using namespace lamella::test;
 using Rule = std::function<int(double, double, double)>;
 

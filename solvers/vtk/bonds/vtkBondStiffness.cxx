@@ -18,6 +18,7 @@
 
 #include <vector>
 
+namespace el = lamella::elasticity;
 namespace pd = lamella::peridynamics;
 
 namespace
@@ -45,7 +46,7 @@ void write(vtkImageData* output, const pd::StiffnessResult& r, int dimension)
   const auto whole = [&](const char* name, std::int64_t value) { set(name, { static_cast<double>(value) }); };
   const pd::EffectiveStiffness& cell = r.cell;
   const std::size_t entries = cell.stiffness.size();
-  lamella::setFieldTexts(output, "stiffness_components", pd::voigtNames(dimension));
+  lamella::setFieldTexts(output, "stiffness_components", el::voigtNames(dimension));
   set("stiffness", cell.stiffness);
   set("stiffness_extrapolated", orUnknown(r.error.extrapolated, entries));
   set("stiffness_error", orUnknown(r.error.components, entries));
@@ -53,10 +54,10 @@ void write(vtkImageData* output, const pd::StiffnessResult& r, int dimension)
   set("stiffness_reuss", cell.bounds.reuss);
   set("stiffness_asymmetry", { cell.asymmetry });
   set("estimated_error", { r.error.relative });
-  const std::vector<double> constants = pd::constantValues(cell.constants);
-  lamella::setFieldTexts(output, "constant_names", pd::constantNames(dimension));
+  const std::vector<double> constants = el::constantValues(cell.constants);
+  lamella::setFieldTexts(output, "constant_names", el::constantNames(dimension));
   set("constants", constants);
-  set("constants_extrapolated", orUnknown(pd::constantValues(r.error.constants), constants.size()));
+  set("constants_extrapolated", orUnknown(el::constantValues(r.error.constants), constants.size()));
   set("constants_error", orUnknown(r.error.ofConstants, constants.size()));
   set("eigenvalues", cell.constants.eigenvalues);
   whole("resisting", cell.constants.resisting);
@@ -66,7 +67,7 @@ void write(vtkImageData* output, const pd::StiffnessResult& r, int dimension)
   whole("loose_nodes", cell.looseNodes);
   std::vector<double> across;
   std::vector<double> inside;
-  for (const pd::SideMatch& side : r.sides)
+  for (const el::SideMatch& side : r.sides)
   {
     across.push_back(side.across);
     inside.push_back(side.inside);
@@ -129,7 +130,7 @@ void addTexts(vtkTable* table, const char* name, const std::vector<std::string>&
 
 void fillTensor(vtkTable* table, const pd::StiffnessResult& r, int dimension)
 {
-  const std::vector<std::string> names = pd::voigtNames(dimension);
+  const std::vector<std::string> names = el::voigtNames(dimension);
   const std::size_t n = names.size();
   addTexts(table, "stress", names);
   const auto block = [&](const std::string& prefix, const char* words, const std::vector<double>& values)
@@ -144,13 +145,13 @@ void fillTensor(vtkTable* table, const pd::StiffnessResult& r, int dimension)
 
 void fillConstants(vtkTable* table, const pd::StiffnessResult& r, int dimension)
 {
-  const std::vector<std::string> names = pd::constantNames(dimension);
+  const std::vector<std::string> names = el::constantNames(dimension);
   const std::size_t n = names.size();
   addTexts(table, "constant", names);
   const auto column = [&](const char* name, const char* words, const std::vector<double>& values)
   { addNumbers(table, name, "", words, values, 0, 1, n); };
-  column("value", "moduli in Pa, Poisson's ratios", pd::constantValues(r.cell.constants));
-  column("extrapolated", "what the material is expected to have", orUnknown(pd::constantValues(r.error.constants), n));
+  column("value", "moduli in Pa, Poisson's ratios", el::constantValues(r.cell.constants));
+  column("extrapolated", "what the material is expected to have", orUnknown(el::constantValues(r.error.constants), n));
   column("error", "estimated error against the material", orUnknown(r.error.ofConstants, n));
   std::vector<std::string> units;
   for (const std::string& name : names)

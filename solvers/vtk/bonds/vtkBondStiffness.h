@@ -19,7 +19,7 @@
  * from the inverse), `value`, `extrapolated`, `error`, `unit` (Pa or 1). On several ranks the first holds the tables.
  *
  * **Error** (EstimateError): coarser pictures of the same cell, of every second, third and fourth pixel, are solved,
- * which takes at most four times the work (peridynamics/StiffnessError.h). It is the error against the material: of the
+ * which takes at most four times the work (elasticity/StiffnessError.h). It is the error against the material: of the
  * lattice and of the picture. Not in it: another Poisson's ratio than the bonds', what no pixel shows, how far the cell
  * speaks for more of its material.
  *

@@ -7,7 +7,7 @@
 
 #include "core/Error.h"
 #include "mpm/PointStiffness.h"
-#include "peridynamics/ElasticConstants.h"
+#include "elasticity/ElasticConstants.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
@@ -25,6 +25,7 @@
 #include <vector>
 
 namespace mpm = lamella::mpm;
+namespace el = lamella::elasticity;
 namespace pd = lamella::peridynamics;
 
 namespace
@@ -79,7 +80,7 @@ struct vtkPointStiffness::Answer
   template <int Dim>
   void SetTensor(const mpm::PointStiffness<Dim>& s)
   {
-    const std::vector<std::string> names = pd::voigtNames(Dim);
+    const std::vector<std::string> names = el::voigtNames(Dim);
     for (const int strain : s.strains)
       this->Components.push_back(names.at(static_cast<std::size_t>(strain)));
     this->Tensor = s.stiffness;
@@ -164,8 +165,8 @@ vtkPointStiffness::Answer vtkPointStiffness::Solve(const lamella::PointScene& sc
     const mpm::PointStiffness<Dim> s = mpm::pointStiffness(points, *law, options);
     answer.Add(s);
     answer.SetTensor(s);
-    answer.Names = pd::constantNames(Dim);
-    answer.Values = pd::constantValues(pd::elasticConstants(s.stiffness, Dim));
+    answer.Names = el::constantNames(Dim);
+    answer.Values = el::constantValues(el::elasticConstants(s.stiffness, Dim));
     return answer;
   }
   if (this->Sides != OPEN)

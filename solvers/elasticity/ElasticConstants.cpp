@@ -1,4 +1,4 @@
-#include "peridynamics/ElasticConstants.h"
+#include "elasticity/ElasticConstants.h"
 
 #include "core/Error.h"
 
@@ -11,7 +11,7 @@
 #include <cmath>
 #include <limits>
 
-namespace lamella::peridynamics
+namespace lamella::elasticity
 {
 namespace
 {
@@ -101,4 +101,4 @@ ElasticConstants elasticConstants(std::span<const double> stiffness, int dimensi
   return result;
 }
 
-} // namespace lamella::peridynamics
+} // namespace lamella::elasticity

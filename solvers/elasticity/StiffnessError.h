@@ -1,13 +1,13 @@
 #pragma once
 
-#include "peridynamics/ElasticConstants.h"
+#include "elasticity/ElasticConstants.h"
 
 #include <limits>
 #include <span>
 #include <vector>
 
 /// How far an effective stiffness may be from the material's.
-namespace lamella::peridynamics
+namespace lamella::elasticity
 {
 
 /// Of the value against the material's, whose solid is isotropic with the model's Poisson's ratio: what one node a
@@ -44,4 +44,4 @@ struct SubsampleTensors
 [[nodiscard]] StiffnessError stiffnessError(std::span<const double> stiffness,
   std::span<const SubsampleTensors> subsamples, int dimension, double lattice, double zero = 1e-9);
 
-} // namespace lamella::peridynamics
+} // namespace lamella::elasticity

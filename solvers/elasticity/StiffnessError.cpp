@@ -1,4 +1,4 @@
-#include "peridynamics/StiffnessError.h"
+#include "elasticity/StiffnessError.h"
 
 #include "lattice/PictureError.h"
 
@@ -6,7 +6,7 @@
 #include <cmath>
 #include <functional>
 
-namespace lamella::peridynamics
+namespace lamella::elasticity
 {
 namespace
 {
@@ -83,4 +83,4 @@ StiffnessError stiffnessError(std::span<const double> stiffness, std::span<const
   return e;
 }
 
-} // namespace lamella::peridynamics
+} // namespace lamella::elasticity

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-namespace lamella::peridynamics
+namespace lamella::elasticity
 {
 
 /// What a stiffness tensor says in engineers' words, from its inverse: apparent constants under stress along one
@@ -37,4 +37,4 @@ struct ElasticConstants
 /// @throws ParameterError for another number of values, and for one that is not finite
 [[nodiscard]] ElasticConstants elasticConstants(std::span<const double> stiffness, int dimension, double zero = 1e-9);
 
-} // namespace lamella::peridynamics
+} // namespace lamella::elasticity

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+/// Stiffness of phases from engineers' constants.
+namespace lamella::elasticity
+{
+
+enum class Continuum
+{
+  PlaneStress,
+  PlaneStrain,
+  Space
+};
+
+/// The upper triangle of a stiffness in Voigt's order by rows, shears as angles [Pa]: 21 numbers in space, 6 in the
+/// plane; all 0 for a void.
+using PhaseStiffness = std::vector<double>;
+
+[[nodiscard]] constexpr int dimensionOf(Continuum continuum) noexcept
+{
+  return continuum == Continuum::Space ? 3 : 2;
+}
+
+[[nodiscard]] PhaseStiffness voidStiffness(Continuum continuum);
+
+/// @param young   [Pa], above 0
+/// @param poisson above −1 and below 1/2 (plane stress: 1)
+/// @throws ParameterError
+[[nodiscard]] PhaseStiffness isotropicStiffness(Continuum continuum, double young, double poisson);
+
+/// Of a material that is the same in all directions across an axis. Poisson's ratios: contraction across over stretch
+/// along under stress along the axis; and within the plane across it under stress in that plane.
+struct TransverseMaterial
+{
+  double youngAlong = 0;  ///< [Pa]
+  double youngAcross = 0; ///< [Pa]
+  double poissonAlong = 0;
+  double poissonAcross = 0;
+  double shearAlong = 0; ///< in planes that hold the axis [Pa]
+};
+
+/// @param axis of any length but 0; in the plane its third component is 0 or it is (0, 0, 1)
+/// @throws ParameterError: constants of no stable material (its tensor is not positive definite), with the eigenvalue
+[[nodiscard]] PhaseStiffness transverseStiffness(
+  Continuum continuum, const TransverseMaterial& material, const std::array<double, 3>& axis);
+
+/// @param space 21 numbers: what a plane of that material has in plane stress or plane strain
+[[nodiscard]] PhaseStiffness inPlane(Continuum continuum, const PhaseStiffness& space);
+
+/// @throws ParameterError: not finite, of another size, or not positive definite (which eigenvalue); all 0 passes
+void requireStable(Continuum continuum, const PhaseStiffness& stiffness, const char* whose);
+
+} // namespace lamella::elasticity
