@@ -5,11 +5,12 @@
 // key pictures=FOLDER writes such pictures). Where there is none it is this program's own value of far finer pictures.
 // Keys: seed=N of the random shapes (2026), horizon=H (3), micromodulus=0|1|2 (2, isotropic), corrected (surfaces),
 // quick (a fifth of the materials), only=NUMBER of one material, sizes=N,N (pixels across), truths=FILE, cases=FILE for
-// a line a case and constant.
+// a line a case and constant; elements: by elements instead of bonds.
 #include "Keys.h"
 #include "Shapes.h"
 
 #include "core/Error.h"
+#include "elasticity/VoxelStiffness.h"
 #include "peridynamics/StiffnessStudy.h"
 
 #include <fmt/format.h>
@@ -178,6 +179,7 @@ struct Setting
   double horizon = 3;
   Micromodulus micromodulus = Micromodulus::Isotropic;
   bool corrected = false;
+  bool elements = false;
 };
 
 BondModel modelOf(const Material& m, const Setting& setting)
@@ -200,13 +202,43 @@ BondModel modelOf(const Material& m, const Setting& setting)
   return model;
 }
 
-StiffnessResult answerOf(const Material& m, int n, const Setting& setting, bool error)
+struct Answer
 {
+  std::vector<double> stiffness;
+  ElasticConstants constants;
+  StiffnessError error;
+  double seconds = 0;         ///< of the value
+  double estimateSeconds = 0; ///< of its error
+};
+
+Answer byElements(const Material& m, int n, bool error)
+{
+  const PhaseImage picture = m.draw(n);
+  const Continuum continuum = m.dimension == 3 ? Continuum::Space : Continuum::PlaneStress;
+  std::vector<PhaseStiffness> phases;
+  for (const double young : m.young)
+    phases.push_back(
+      young > 0 ? isotropicStiffness(continuum, young, poissonsRatio(continuum)) : voidStiffness(continuum));
+  VoxelStiffnessOptions options;
+  options.estimateError = error;
+  const VoxelStiffness r = studyVoxelStiffness(picture.lattice, picture.phase, phases, options);
+  if (error && r.error.components.empty())
+    for (const std::string& words : r.warnings)
+      fmt::print(stderr, "{} with {} pixels across: {}\n", m.kind, n, words);
+  return { r.stiffness, r.constants, r.error, r.steps.front().seconds, r.estimateSeconds };
+}
+
+Answer answerOf(const Material& m, int n, const Setting& setting, bool error)
+{
+  if (setting.elements)
+    return byElements(m, n, error);
   const PhaseImage picture = m.draw(n);
   StiffnessOptions options;
   options.estimateError = error;
   options.threads = 1;
-  return studyStiffness(modelOf(m, setting), picture.lattice, picture.phase, {}, options, Communicator(MPI_COMM_SELF));
+  const StiffnessResult r =
+    studyStiffness(modelOf(m, setting), picture.lattice, picture.phase, {}, options, Communicator(MPI_COMM_SELF));
+  return { r.cell.stiffness, r.cell.constants, r.error, r.steps.front().seconds, r.estimateSeconds };
 }
 
 /// Tensors by seed and number of the material, upper triangle by rows; and how far the two pictures that each is from
@@ -238,8 +270,8 @@ std::map<std::pair<std::uint64_t, std::size_t>, std::vector<double>> readTruths(
 std::vector<double> finer(const Material& m, const Setting& setting)
 {
   const int fine = m.dimension == 3 ? 96 : 768;
-  std::vector<double> half = answerOf(m, fine / 2, setting, false).cell.stiffness;
-  const std::vector<double> whole = answerOf(m, fine, setting, false).cell.stiffness;
+  std::vector<double> half = answerOf(m, fine / 2, setting, false).stiffness;
+  const std::vector<double> whole = answerOf(m, fine, setting, false).stiffness;
   for (std::size_t i = 0; i < half.size(); ++i)
     half[i] = 2 * whole[i] - half[i];
   return half;
@@ -317,7 +349,8 @@ void run(const Keys& keys)
 {
   const auto seed = static_cast<std::uint64_t>(number(keys, "seed", 2026));
   const Setting setting{ number(keys, "horizon", 3),
-    static_cast<Micromodulus>(std::lround(number(keys, "micromodulus", 2))), keys.contains("corrected") };
+    static_cast<Micromodulus>(std::lround(number(keys, "micromodulus", 2))), keys.contains("corrected"),
+    keys.contains("elements") };
   const auto truths = readTruths(text(keys, "truths", STIFFNESS_TRUTHS));
   std::ofstream lines;
   if (keys.contains("cases"))
@@ -353,16 +386,16 @@ void run(const Keys& keys)
       try
       {
         const double start = cpu();
-        const StiffnessResult r = answerOf(m, n, setting, true);
+        const Answer r = answerOf(m, n, setting, true);
         seconds += cpu() - start;
         ++cases;
-        prices.push_back(r.estimateSeconds / r.steps.front().seconds);
+        prices.push_back(r.estimateSeconds / r.seconds);
         if (r.error.components.empty())
         {
           ++unknown;
           continue;
         }
-        const std::vector<double> values = constantValues(r.cell.constants);
+        const std::vector<double> values = constantValues(r.constants);
         const std::vector<double> limits = constantValues(r.error.constants);
         for (std::size_t c = 0; c < names.size(); ++c)
         {
@@ -378,8 +411,8 @@ void run(const Keys& keys)
         }
         const std::size_t k = m.dimension == 3 ? 6 : 3;
         for (std::size_t a = 0; a < k; ++a)
-          components[m.kind].add(r.cell.stiffness[a * k + a], r.error.components[a * k + a],
-            r.error.extrapolated[a * k + a], truth[a * k + a], truth[a * k + a]);
+          components[m.kind].add(r.stiffness[a * k + a], r.error.components[a * k + a], r.error.extrapolated[a * k + a],
+            truth[a * k + a], truth[a * k + a]);
       }
       catch (const Error& e) // a picture too coarse for walls that go on
       {

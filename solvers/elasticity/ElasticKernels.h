@@ -48,7 +48,7 @@ struct ElasticRow
   const float* stretchX;                ///< 1 / edge along x by element, 0 beyond the last; null: all edges are 1
   double stretch[3];                    ///< 1 / edge along y and z, where stretchX is not null
   double strain[6];                     ///< mean strain that u is the rest of (shears: γ), Voigt's order
-  const double* const* initial;         ///< stress to add, by Voigt's order, of each element and as the moduli; or null
+  const Real* const* initial;           ///< stress to add, by Voigt's order, of each element and as the moduli; or null
 };
 
 /// out: forces −∂E/∂u are subtracted, that is A u added, to D rows of nodes for each row of nodes of u.
@@ -71,8 +71,10 @@ struct ElasticKernels
   void (*difference)(std::int64_t n, const float* b, const float* a, float* out);
   /// Σ a b.
   double (*dot)(std::int64_t n, const float* a, const float* b);
-  /// a = b + factor a.
-  void (*direct)(std::int64_t n, float factor, const float* b, float* a);
+  /// Adds Σ a b, Σ a and Σ b to the sums.
+  void (*dotAndSums)(std::int64_t n, const float* a, const float* b, double* sums);
+  /// a = b − shift + factor a.
+  void (*direct)(std::int64_t n, float factor, float shift, const float* b, float* a);
   /// x += factor p; r −= factor q; returns Σ r².
   double (*step)(std::int64_t n, double factor, const float* p, const float* q, float* x, float* r);
   double (*stepDouble)(std::int64_t n, double factor, const float* p, const float* q, double* x, float* r);

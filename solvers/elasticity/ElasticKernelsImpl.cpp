@@ -310,7 +310,7 @@ void apply(const ElasticRow<D, Real>& row, Real* const (*out)[1 << (D - 1)], Rea
             law.template stress<used>(e, s);
           else
             varying.template stress<used>(e, s);
-          if constexpr (polynomial == 0 && std::is_same_v<Real, double>)
+          if constexpr (polynomial == 0)
             if (row.initial != nullptr)
               times<n>([&](auto k) { s[k] += load(row.initial[k] + i); });
           times<n>(
@@ -484,11 +484,28 @@ double dot(std::int64_t n, const float* a, const float* b)
   return sum;
 }
 
-void direct(std::int64_t n, float factor, const float* b, float* a)
+void dotAndSums(std::int64_t n, const float* a, const float* b, double* sums)
+{
+  double both = 0;
+  double first = 0;
+  double second = 0;
+#pragma omp simd reduction(+ : both, first, second)
+  for (std::int64_t i = 0; i < n; ++i)
+  {
+    both += static_cast<double>(a[i]) * static_cast<double>(b[i]);
+    first += static_cast<double>(a[i]);
+    second += static_cast<double>(b[i]);
+  }
+  sums[0] += both;
+  sums[1] += first;
+  sums[2] += second;
+}
+
+void direct(std::int64_t n, float factor, float shift, const float* b, float* a)
 {
 #pragma omp simd
   for (std::int64_t i = 0; i < n; ++i)
-    a[i] = b[i] + factor * a[i];
+    a[i] = b[i] - shift + factor * a[i];
 }
 
 template <class Real>
@@ -528,6 +545,6 @@ void lookUp(std::int64_t n, const std::uint8_t* phase, const float* tableA, cons
 
 extern const ElasticKernels LAMELLA_KERNELS;
 const ElasticKernels LAMELLA_KERNELS = { applySingle<2>, applySingle<3>, applyDouble<2>, applyDouble<3>, stressesAny<2>,
-  stressesAny<3>, relax, relaxFirst, difference, dot, direct, step<float>, step<double>, add, lookUp };
+  stressesAny<3>, relax, relaxFirst, difference, dot, dotAndSums, direct, step<float>, step<double>, add, lookUp };
 
 } // namespace lamella::elasticity

@@ -10,7 +10,7 @@ namespace lamella::elasticity
 namespace
 {
 
-constexpr std::int64_t coarsestNodes = 125;
+constexpr std::int64_t coarsestNodes = 64;
 constexpr double longEdge = 1.5;       // axes of elements longer than the shortest by this are left as they are
 constexpr double withoutForce = 1e-12; // eigenvalues of the coarsest matrix, scaled to a diagonal of 1: rigid motions
 
@@ -353,10 +353,8 @@ void ElasticMultigrid<D>::restrictResidual(const Level& fine, const float* b, co
       if (complete && k % 2 != 0 && k == f.elements[D - 1]) // its own coarse plane
         addSpill(thread, k / 2 + 1);
     });
-  if (!halvedPlanes)
-    return;
   const int threads = fine.op->threads();
-  for (int t = 0; t < threads; ++t)
+  for (int t = 0; t < threads && halvedPlanes; ++t)
   {
     if (t == 0 && !f.periodic[D - 1])
       continue;
@@ -367,6 +365,12 @@ void ElasticMultigrid<D>::restrictResidual(const Level& fine, const float* b, co
         kernels.add(
           plane, 1.0F, spill(before, end / 2, c), coarse.b.data() + c * g.componentStride() + firstCoarse(t) * plane);
   }
+  for (int c = 0; c < D; ++c)
+    for (std::int64_t k = 0; k < g.planes(); ++k)
+      for (std::int64_t j = 0; j < g.rows(); ++j)
+        g.forHeld(j, k, c,
+          [&](std::int64_t from, std::int64_t count)
+          { std::fill_n(coarse.b.data() + c * g.componentStride() + g.at(j, k) + from, count, 0.0F); });
 }
 
 template <int D>

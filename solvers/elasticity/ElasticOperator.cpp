@@ -79,17 +79,16 @@ void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load,
 #pragma omp parallel num_threads(threads_) if (threads_ > 1)
   {
     ModuliBuffer<D, double> moduli(g.elements[0]);
-    std::vector<double> store(static_cast<std::size_t>((3 * n + D * rowsAround) * length), 0.0);
+    std::vector<double> store(static_cast<std::size_t>((2 * n + D * rowsAround) * length), 0.0);
     std::array<double*, n> stress{};
     std::array<double*, n> strain{};
-    std::array<double*, n> initial{};
+    InitialBuffer<D, double> initial(g.elements[0], load != nullptr && load->initial);
     for (std::size_t k = 0; k < n; ++k)
     {
       stress[k] = store.data() + static_cast<std::int64_t>(k) * length;
       strain[k] = store.data() + static_cast<std::int64_t>(n + k) * length;
-      initial[k] = store.data() + static_cast<std::int64_t>(2 * n + k) * length;
     }
-    double* const values = store.data() + 3 * n * length;
+    double* const values = store.data() + 2 * n * length;
     ElasticRow<D, double> row{};
     row.count = g.elements[0];
     row.isotropic = isotropic_;
@@ -121,13 +120,10 @@ void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load,
             row.stretch[1] = 1 / static_cast<double>(g.widthOf(1, j));
           row.stretch[D - 1] = 1 / static_cast<double>(g.widthOf(D - 1, k));
         }
-        if (load != nullptr && load->initial)
+        if (initial.used())
         {
-          load->initial(j, k, initial.data());
-          for (const auto& values0 : initial)
-            for (std::int64_t i = 0; i < g.elements[0]; ++i)
-              values0[i] *= cornerFactor<D>;
-          row.initial = initial.data();
+          initial.fill(*load, j, k);
+          row.initial = initial.rows.data();
         }
         double energy = 0;
         if constexpr (D == 2)

@@ -39,6 +39,21 @@ struct ElasticGrid
   {
     return plane * planeStride() + row * rowLength();
   }
+  /// f(first place, how many) of every run of one component's values in a row that is held.
+  template <class F>
+  void forHeld(std::int64_t row, std::int64_t plane, int component, F&& f) const
+  {
+    const auto c = static_cast<std::size_t>(component);
+    const bool whole = (held[D - 1][c] && (plane == 0 || plane == planes() - 1)) ||
+      (D == 3 && held[1][c] && (row == 0 || row == rows() - 1));
+    if (whole)
+      f(std::int64_t{ 0 }, rowLength());
+    else if (held[0][c])
+    {
+      f(std::int64_t{ 0 }, std::int64_t{ 1 });
+      f(elements[0], std::int64_t{ 1 });
+    }
+  }
   [[nodiscard]] std::int64_t ownNodes() const noexcept { return nodes(0) * rows() * planes(); }
   [[nodiscard]] bool stretched() const noexcept
   {

@@ -25,15 +25,44 @@ struct ModuliBuffer
   }
 };
 
+/// The same for stresses that a load adds, in the kernels' unit.
+template <int D, class Real>
+struct InitialBuffer
+{
+  static constexpr std::size_t count = voigtSize(D);
+  std::int64_t length;
+  std::vector<double> given;
+  std::vector<Real> values;
+  std::array<double*, count> from{};
+  std::array<const Real*, count> rows{};
+
+  InitialBuffer(std::int64_t elements, bool use)
+    : length(elements + spareValues)
+    , given(use ? count * static_cast<std::size_t>(length) : 0, 0.0)
+    , values(given.size(), Real{ 0 })
+  {
+    for (std::size_t k = 0; k < count && use; ++k)
+    {
+      from[k] = given.data() + static_cast<std::int64_t>(k) * length;
+      rows[k] = values.data() + static_cast<std::int64_t>(k) * length;
+    }
+  }
+  [[nodiscard]] bool used() const noexcept { return !given.empty(); }
+  void fill(const ElasticLoad<D>& load, std::int64_t row, std::int64_t plane)
+  {
+    load.initial(row, plane, from.data());
+    for (std::size_t i = 0; i < given.size(); ++i)
+      values[i] = static_cast<Real>(cornerFactor<D> * given[i]);
+  }
+};
+
 template <int D>
 template <class Real, class Visit, class End>
 void ElasticOperator<D>::sweep(
   const Real* u, const ElasticLoad<D>* load, bool diagonal, Visit&& visit, End&& endPlane) const
 {
   constexpr bool single = std::is_same_v<Real, float>;
-  constexpr int voigtRows = voigtSize(D);
   const ElasticGrid<D>& g = grid_;
-  const std::int64_t planes = g.planes();
   const std::int64_t rows = g.rows();
   const std::int64_t plane = g.planeStride();
   const std::int64_t component = g.componentStride();
@@ -78,21 +107,17 @@ void ElasticOperator<D>::sweep(
     Real* upper = sums + kinds * sumPlane;
     std::fill_n(upper, kinds * sumPlane, Real{ 0 });
     ModuliBuffer<D, Real> moduli(g.elements[0]);
-    std::vector<double> initial(
-      load != nullptr && load->initial ? static_cast<std::size_t>(voigtRows * (g.elements[0] + spareValues)) : 0, 0.0);
-    std::array<double*, voigtRows> initialRows{};
-    for (int k = 0; k < voigtRows && !initial.empty(); ++k)
-      initialRows[static_cast<std::size_t>(k)] = initial.data() + k * (g.elements[0] + spareValues);
+    InitialBuffer<D, Real> initial(g.elements[0], load != nullptr && load->initial);
 
     ElasticRow<D, Real> row{};
     row.count = g.elements[0];
     row.isotropic = isotropic_;
     row.stretchX = g.stretched() ? stretchX_.data() : nullptr;
     if (load != nullptr)
-      for (std::size_t k = 0; k < voigtRows; ++k)
+      for (std::size_t k = 0; k < voigtSize(D); ++k)
         row.strain[k] = load->strain[k] * g.edge / cornerFactor<D>;
-    if (!initial.empty())
-      row.initial = initialRows.data();
+    if (initial.used())
+      row.initial = initial.rows.data();
 
     const auto planeOf = [&](std::int64_t k, int c) -> const Real*
     {
@@ -134,12 +159,8 @@ void ElasticOperator<D>::sweep(
             row.stretch[1] = 1 / static_cast<double>(g.widthOf(1, j));
           row.stretch[D - 1] = 1 / static_cast<double>(g.widthOf(D - 1, element));
         }
-        if (!initial.empty())
-        {
-          load->initial(j, element, initialRows.data());
-          for (double& value : initial)
-            value *= cornerFactor<D>;
-        }
+        if (initial.used())
+          initial.fill(*load, j, element);
         if constexpr (single && D == 2)
           kernels.plane(row, u != nullptr ? out : nullptr, diagonal ? diagonalOut : nullptr);
         else if constexpr (single)
@@ -161,15 +182,8 @@ void ElasticOperator<D>::sweep(
             done[c][0] = done[c][g.elements[0]] = done[c][0] + done[c][g.elements[0]];
         }
         for (int c = 0; c < D; ++c)
-        {
-          const auto axis = static_cast<std::size_t>(c);
-          const bool whole = (g.held[D - 1][axis] && (k == 0 || k == planes - 1)) ||
-            (D == 3 && g.held[1][axis] && (j == 0 || j == rows - 1));
-          if (whole)
-            std::fill_n(done[c], g.rowLength(), Real{ 0 });
-          else if (g.held[0][axis])
-            done[c][0] = done[c][g.elements[0]] = Real{ 0 };
-        }
+          g.forHeld(
+            j, k, c, [&](std::int64_t from, std::int64_t count) { std::fill_n(done[c] + from, count, Real{ 0 }); });
         visit(thread, k, j, done);
       }
       endPlane(thread, k);

@@ -19,6 +19,7 @@ constexpr double leastProgress = 0.25; // of its square, or no more is tried
 // What the energy has fallen in the last steps is what it still had to fall before them, at least (Strakoš & Tichý,
 // Electron. Trans. Numer. Anal. 13 (2002) 56).
 constexpr int delay = 4;
+constexpr double nothing = 1e-3; // of the tolerance, in one step
 
 } // namespace
 
@@ -223,6 +224,29 @@ std::array<double, voigtSize(D) * voigtSize(D)> ElasticSystem<D>::voigtBound() c
   return mean;
 }
 
+template <int D>
+std::function<void(std::int64_t, std::int64_t, double* const*)> ElasticSystem<D>::eigenstress(
+  std::span<const std::array<double, voigtSize(D)>> strains) const
+{
+  constexpr int n = voigtSize(D);
+  std::vector<std::array<double, n>> stress(256);
+  for (std::size_t id = 0; id < std::min(strains.size(), problem_.laws.size()); ++id)
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < n; ++j)
+        stress[id][static_cast<std::size_t>(i)] -=
+          problem_.laws[id].stiffness[static_cast<std::size_t>(triangle(n, i, j))] *
+          strains[id][static_cast<std::size_t>(j)] / scale_;
+  const std::int64_t nx = op_->grid().elements[0];
+  const std::int64_t ny = op_->grid().elementRows();
+  return [this, stress, nx, ny](std::int64_t row, std::int64_t plane, double* const* out)
+  {
+    const std::uint8_t* const id = problem_.phase.data() + nx * (row + ny * plane);
+    for (std::size_t k = 0; k < n; ++k)
+      for (std::int64_t i = 0; i < nx; ++i)
+        out[k][i] = stress[id[i]][k];
+  };
+}
+
 namespace
 {
 
@@ -246,7 +270,6 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   const ElasticKernels& kernels = elasticKernels();
   const std::int64_t own = g.nodes(0);
   const std::int64_t component = g.componentStride();
-  const std::int64_t plane = g.planeStride();
   const auto planes = static_cast<std::size_t>(g.planes());
   const int threads = op_->threads();
   std::vector<double> parts(planes);
@@ -279,9 +302,20 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   double rr = residual();
   const double first = rr;
   // what rounding leaves of the load's forces
-  const double floor = (options_.fields ? 1e-28 : 1e-14) * static_cast<double>(g.ownNodes()) *
-    std::inner_product(load.strain.begin(), load.strain.end(), load.strain.begin(), 0.0) * cornerFactor<D> *
-    cornerFactor<D>;
+  double given = 0;
+  if (load.initial)
+  {
+    InitialBuffer<D, float> initial(g.elements[0], true);
+    for (std::int64_t k = 0; k < g.elementPlanes(); ++k)
+      for (std::int64_t j = 0; j < g.elementRows(); ++j)
+      {
+        load.initial(j, k, initial.from.data());
+        given += std::inner_product(initial.given.begin(), initial.given.end(), initial.given.begin(), 0.0);
+      }
+    given /= static_cast<double>(g.ownNodes());
+  }
+  const double floor = (options_.fields ? 1e-28 : 1e-14) * static_cast<double>(g.ownNodes()) * cornerFactor<D> *
+    cornerFactor<D> * (given + std::inner_product(load.strain.begin(), load.strain.end(), load.strain.begin(), 0.0));
   // energies in units of the kernels, summed over voxels
   const auto voxels = static_cast<double>(g.elements[0] * g.elementRows() * g.elementPlanes());
   double whole = 0;
@@ -308,6 +342,33 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       parts[static_cast<std::size_t>(k)] = sum;
     }
     return total();
+  };
+  // r·z, and the means of z's components that are free to shift; r·z is that without them.
+  std::vector<std::array<double, 3 * D>> layers(planes);
+  const auto preconditioned = [&](std::array<double, D>& shift)
+  {
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+    for (std::int64_t k = 0; k < g.planes(); ++k)
+    {
+      auto& sums = layers[static_cast<std::size_t>(k)];
+      sums.fill(0);
+      for (int c = 0; c < D; ++c)
+        for (std::int64_t j = 0; j < g.rows(); ++j)
+          kernels.dotAndSums(
+            own, r_.data() + c * component + g.at(j, k), z_.data() + c * component + g.at(j, k), sums.data() + 3 * c);
+    }
+    double rz = 0;
+    for (std::size_t c = 0; c < D; ++c)
+    {
+      std::array<double, 3> sums{};
+      for (const auto& layer : layers)
+        for (std::size_t i = 0; i < 3; ++i)
+          sums[i] += layer[3 * c + i];
+      const bool holds = std::ranges::any_of(g.held, [c](const auto& held) { return held[c]; });
+      shift[c] = holds ? 0.0 : sums[2] / static_cast<double>(g.ownNodes());
+      rz += sums[0] - sums[1] * shift[c];
+    }
+    return rz;
   };
   // x and r take a step; copies at the ends of rows move as the first nodes, and count once
   const auto step = [&](double alpha)
@@ -345,7 +406,9 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       if (result.iterations >= options_.maxIterations)
         fail(result, options_.maxIterations);
       multigrid_->cycle(r_.data(), z_.data());
-      const double rz = forPlanes([&](std::int64_t at) { return kernels.dot(own, r_.data() + at, z_.data() + at); });
+      // Translations that nothing holds are taken off: once the residual is near rounding they would grow.
+      std::array<double, D> shift{};
+      const double rz = preconditioned(shift);
       if (!(rz > 0))
         break;
       const auto beta = static_cast<float>(fresh ? 0.0 : rz / rzBefore);
@@ -354,7 +417,9 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
       for (std::int64_t k = 0; k < g.planes(); ++k)
         for (int c = 0; c < D; ++c)
-          kernels.direct(plane, beta, z_.data() + c * component + k * plane, p_.data() + c * component + k * plane);
+          for (std::int64_t j = 0; j < g.rows(); ++j)
+            kernels.direct(g.rowLength(), beta, static_cast<float>(shift[static_cast<std::size_t>(c)]),
+              z_.data() + c * component + g.at(j, k), p_.data() + c * component + g.at(j, k));
       std::ranges::fill(parts, 0.0);
       op_->template sweep<float>(p_.data(), nullptr, false,
         [&](int, std::int64_t k, std::int64_t j, float* const* sums)
@@ -378,7 +443,8 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       ++result.iterations;
       const double unit = load.initial ? fallen : std::max(whole - fallen, 1e-12 * whole);
       result.solverError = std::min(1.0, std::accumulate(falls.begin(), falls.end(), 0.0) / unit);
-      converged = result.iterations >= delay && result.solverError <= options_.tolerance;
+      converged = (result.iterations >= delay && result.solverError <= options_.tolerance) ||
+        alpha * rz <= nothing * options_.tolerance * unit; // layers are exact after a step or two
       if (options_.progress && !options_.progress(result.iterations, result.solverError))
         throw Cancelled();
     }

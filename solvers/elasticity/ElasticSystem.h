@@ -76,6 +76,10 @@ public:
 
   /// @throws DivergenceError; Cancelled
   [[nodiscard]] ElasticResult<D> solve(const ElasticLoad<D>& load);
+  /// Stresses −C : ε of strains that phases would take if nothing held them (swelling, expansion), one a phase id, for
+  /// ElasticLoad::initial.
+  [[nodiscard]] std::function<void(std::int64_t, std::int64_t, double* const*)> eigenstress(
+    std::span<const std::array<double, voigtSize(D)>> strains) const;
   /// Displacements, what the mean strain does left out, of the last solve [edges of a voxel along x]: one component of
   /// one row of nodes after the other, as ElasticGrid has them. With `fields` only.
   [[nodiscard]] std::span<const double> displacements() const noexcept { return exact_; }

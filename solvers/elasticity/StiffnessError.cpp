@@ -11,14 +11,9 @@ namespace lamella::elasticity
 namespace
 {
 
-// Walls and grains of a few horizons are not yet where errors fall like the pixel: of a halved pixel the change is less
-// than what is left, in honeycombs and boxes by up to 1.4 times (found on other shapes and seeds than those of
-// docs/benchmarks/stiffness.md). That is an order of 0.74.
-constexpr double leftOverChange = 1.5;
-
-double barOf(const PictureError& error)
+double barOf(const PictureError& error, double left)
 {
-  return leftOverChange * (error.bar() - error.scatter()) + error.scatter();
+  return left * (error.bar() - error.scatter()) + error.scatter();
 }
 
 /// One number of every tensor, in its own unit.
@@ -38,10 +33,12 @@ PictureError errorOf(
 } // namespace
 
 StiffnessError stiffnessError(std::span<const double> stiffness, std::span<const SubsampleTensors> subsamples,
-  int dimension, double lattice, double zero)
+  int dimension, const StiffnessErrorRule& rule)
 {
   const std::size_t n = dimension == 3 ? 6 : 3;
   StiffnessError e;
+  const double lattice = rule.lattice;
+  const double zero = rule.zero;
   e.lattice = lattice;
   double most = 0;
   for (std::size_t a = 0; a < n; ++a)
@@ -52,7 +49,7 @@ StiffnessError stiffnessError(std::span<const double> stiffness, std::span<const
     const PictureError error =
       errorOf(stiffness[i], subsamples, [&](std::size_t s, std::size_t t) { return subsamples[s].tensors[t][i]; });
     e.extrapolated.push_back(stiffness[i] + error.bias());
-    e.components.push_back(barOf(error) + lattice * std::abs(stiffness[i]));
+    e.components.push_back(barOf(error, rule.leftOverChange) + lattice * std::abs(stiffness[i]));
     if (i % (n + 1) == 0 && stiffness[i] > zero * most)
       e.relative = std::max(e.relative, e.components[i] / stiffness[i]);
   }
@@ -73,7 +70,7 @@ StiffnessError stiffnessError(std::span<const double> stiffness, std::span<const
       known = known && std::isfinite(others[s][t][c]);
       return others[s][t][c];
     };
-    const double bar = barOf(errorOf(own[c], subsamples, of));
+    const double bar = barOf(errorOf(own[c], subsamples, of), rule.leftOverChange);
     e.ofConstants.push_back(known ? bar + lattice * std::abs(own[c]) : std::numeric_limits<double>::quiet_NaN());
   }
   // the limit may lie so far off that it is none

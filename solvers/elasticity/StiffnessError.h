@@ -34,14 +34,22 @@ struct SubsampleTensors
   std::vector<std::vector<double>> tensors;
 };
 
+/// What a method's error is made of.
+struct StiffnessErrorRule
+{
+  /// What is left of the mean error over the change that a halved pixel makes. 1: it falls like the pixel, as that of
+  /// elements does.
+  double leftOverChange = 1;
+  double lattice = 0; ///< StiffnessError::lattice
+  double zero = 1e-9; ///< as elasticConstants()
+};
+
 /// The error of each component and of each constant, from coarser pictures of the same cell (lattice/PictureError.h):
-/// a boundary errs over a layer as thick as a horizon of so many pixels, hence like the pixel, and so do its steps.
-/// What is told of the mean counts 1.5 times, for walls of a few horizons err by a lower order.
+/// a boundary errs over a layer as thick as a pixel, or as a horizon of so many, hence like the pixel, and so do its
+/// steps.
 /// @param stiffness  of the sample, components²
 /// @param subsamples of every second pixel first
-/// @param lattice    StiffnessError::lattice
-/// @param zero       as elasticConstants()
 [[nodiscard]] StiffnessError stiffnessError(std::span<const double> stiffness,
-  std::span<const SubsampleTensors> subsamples, int dimension, double lattice, double zero = 1e-9);
+  std::span<const SubsampleTensors> subsamples, int dimension, const StiffnessErrorRule& rule);
 
 } // namespace lamella::elasticity

@@ -119,6 +119,8 @@ public:
     const auto own = static_cast<double>(lattice_.count());
     const double ahead = options_.estimateError ? foreseen() : 0.0;
     const Solved cell = solve(lattice_, phase_, 0, own, own + ahead);
+    if (cell.step.stiffness.empty())
+      throw NoPathError("the solid leads across the box along no axis", "take another window, or make it less porous");
     take(r, cell);
     warn(r, cell.solid);
     if (!options_.estimateError)
@@ -145,7 +147,8 @@ private:
   {
     Solid solid;
     VoxelStiffnessStep step;
-    Eigen::MatrixXd tensor; ///< as solved
+    Eigen::MatrixXd tensor;   ///< as solved
+    std::vector<double> held; ///< mean stress of the box that swells and is not let
     std::array<double, n * n> voigt{};
     double solverError = 0;
     std::size_t levels = 0;
@@ -202,6 +205,22 @@ private:
       s.step.iterations.push_back(result.iterations);
       s.solverError = std::max(s.solverError, result.solverError);
     }
+    if (!options_.expansion.empty())
+    {
+      std::vector<std::array<double, n>> strains(options_.expansion.size());
+      for (std::size_t id = 0; id < strains.size(); ++id)
+        std::copy(options_.expansion[id].begin(), options_.expansion[id].end(), strains[id].begin());
+      if (const auto held = heldUnder(0); held != problem.held)
+      {
+        problem.held = held;
+        system.emplace(problem, o);
+      }
+      ElasticLoad<D> swelling;
+      swelling.initial = system->eigenstress(strains);
+      const ElasticResult<D> result = system->solve(swelling);
+      s.step.iterations.push_back(result.iterations);
+      s.held.assign(result.stress.begin(), result.stress.end());
+    }
     s.voigt = system->voigtBound();
     s.levels = system->levels();
     s.bytes = static_cast<double>(system->bytes() + s.solid.kept.size());
@@ -247,6 +266,13 @@ private:
     r.solverError = cell.solverError;
     r.voigt.assign(cell.voigt.begin(), cell.voigt.end());
     r.reuss = reuss();
+    if (!cell.held.empty())
+    {
+      const Eigen::Map<const Eigen::VectorXd> stress(cell.held.data(), n);
+      const Eigen::MatrixXd even = 0.5 * (cell.tensor + cell.tensor.transpose());
+      const Eigen::VectorXd free = -even.completeOrthogonalDecomposition().solve(stress);
+      r.expansion.assign(free.data(), free.data() + n);
+    }
     r.constants = elasticConstants(r.stiffness, D, leastStiffness(options_.tolerance));
     r.steps.push_back(cell.step);
     r.solidVoxels = cell.solid.voxels;
@@ -373,6 +399,7 @@ private:
         sum.seconds += s.step.seconds;
         for (std::size_t i = 0; i < sum.stiffness.size(); ++i)
           sum.stiffness[i] += answer.tensors.back()[i];
+        sum.iterations.resize(std::max(sum.iterations.size(), s.step.iterations.size()), 0);
         for (std::size_t i = 0; i < s.step.iterations.size(); ++i)
           sum.iterations[i] += s.step.iterations[i];
       }
@@ -381,7 +408,7 @@ private:
       r.steps.push_back(std::move(sum));
       tensors.push_back(std::move(answer));
     }
-    r.error = stiffnessError(r.stiffness, tensors, D, 0.0, leastStiffness(options_.tolerance));
+    r.error = stiffnessError(r.stiffness, tensors, D, { .zero = leastStiffness(options_.tolerance) });
   }
 
   // A coarser picture of the box, its pixels split as the box's are.
@@ -447,6 +474,11 @@ VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::
   }
   if (!solid)
     throw NoPathError("all of the box is void", "give some phase a Young's modulus");
+  for (const std::vector<double>& strain : options.expansion)
+    if (strain.size() != static_cast<std::size_t>(voigtSize(lattice.dimension)) ||
+      !std::ranges::all_of(strain, [](double e) { return std::isfinite(e); }))
+      throw ParameterError(fmt::format("an expansion of {} numbers", strain.size()),
+        fmt::format("give {} finite ones for every phase", voigtSize(lattice.dimension)));
   if (!(options.tolerance > 0 && options.tolerance < 1))
     throw ParameterError(fmt::format("a tolerance of {}", options.tolerance), "ask for one between 0 and 1: 1e-6");
   const bool isotropic = std::ranges::all_of(stiffness,
@@ -470,11 +502,8 @@ VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::
     throw MemoryError(fmt::format("the stiffness of {} × {} × {} voxels takes {}, and {} are free", lattice.size[0],
                         lattice.size[1], lattice.size[2], bytesText(bytes), bytesText(free)),
       "take a window, or every second voxel");
-  VoxelStiffness r = lattice.dimension == 3 ? Study<3>(lattice, phase, stiffness, options).run()
-                                            : Study<2>(lattice, phase, stiffness, options).run();
-  if (std::ranges::none_of(r.crosses, [](bool c) { return c; }) && options.sides == StiffnessSides::Periodic)
-    throw NoPathError("the solid leads across the box along no axis", "take another window, or make it less porous");
-  return r;
+  return lattice.dimension == 3 ? Study<3>(lattice, phase, stiffness, options).run()
+                                : Study<2>(lattice, phase, stiffness, options).run();
 }
 
 } // namespace lamella::elasticity

@@ -28,6 +28,9 @@ enum class StiffnessSides
 struct VoxelStiffnessOptions
 {
   StiffnessSides sides = StiffnessSides::Periodic;
+  /// Strains that phases take when nothing holds them, by phase id, Voigt's order, shears as angles: of a unit of
+  /// temperature or moisture. Or none.
+  std::vector<std::vector<double>> expansion;
   double tolerance = 1e-6; ///< of the energy of each unit strain, relative
   int maxIterations = 500; ///< of each
   /// Of the picture and the elements against the material, from coarser pictures of the same box (StiffnessError.h):
@@ -54,8 +57,10 @@ struct VoxelStiffness
   std::vector<double> stiffness; ///< components² by rows, Voigt's order, shears as angles [Pa]; symmetric
   std::vector<double> voigt;     ///< bound: all voxels follow the mean strain
   std::vector<double> reuss;     ///< bound: stress is uniform; 0 where there are voids
-  double asymmetry = 0;          ///< of the tensor as solved, over the largest component
-  double solverError = 0;        ///< of the energies, relative: the largest
+  std::vector<double>
+    expansion;            ///< mean strain of the free box for the phases' `expansion`; empty where none was given
+  double asymmetry = 0;   ///< of the tensor as solved, over the largest component
+  double solverError = 0; ///< of the energies, relative: the largest
   ElasticConstants constants;
   StiffnessError error;
   std::vector<VoxelStiffnessStep> steps; ///< every solve, in order

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "elasticity/Materials.h"
 #include "peridynamics/Stencil.h"
 
 #include <optional>
@@ -12,13 +13,9 @@ namespace lamella::peridynamics
 {
 
 /// A bond-based material has one free constant: its Poisson's ratio is that of its dimension.
-enum class Continuum
-{
-  PlaneStress, ///< ν = 1/3
-  PlaneStrain, ///< ν = 1/4
-  Space        ///< ν = 1/4
-};
+using elasticity::Continuum;
 
+/// That bonds of one stiffness a length have: 1/3 in plane stress, else 1/4.
 [[nodiscard]] double poissonsRatio(Continuum continuum) noexcept;
 
 /// What is known of the bonds of one pair of phases: Young's modulus, and one of the last three.

@@ -1,6 +1,9 @@
 // Elements on the lattice: the stiffness of boxes of voxels against dense solves of elements that are integrated here,
 // against laminates, which are exact, and against published arrays.
 #include "elasticity/ElasticSystem.h"
+#include "elasticity/VoxelStiffness.h"
+
+#include "core/Error.h"
 
 #include <Eigen/Dense>
 #include <gtest/gtest.h>
@@ -14,6 +17,7 @@
 namespace
 {
 
+using namespace lamella;
 using namespace lamella::elasticity;
 
 template <int D>
@@ -365,6 +369,157 @@ TEST(Elasticity, TakesTheMemoryThatItPromises)
   const auto sample = noise<3>({ 96, 96, 96 }, 2, 8);
   const ElasticSystem<3> system(problemOf<3>(sample, { ElasticLaw<3>{}, inSpace(1, 0.3) }), {});
   EXPECT_LE(static_cast<double>(system.bytes()) / static_cast<double>(sample.phase.size()), 60.0);
+}
+
+Lattice latticeOf(const std::array<std::int64_t, 3>& size)
+{
+  return makeLattice(size[0], size[1], size[2], size[2] > 1 ? 3 : 2, 1e-6);
+}
+
+// Of two isotropic phases the expansion follows from the stiffness, whatever their shapes (Levin, Mech. Solids 2 (1967)
+// 58): <α> + (α₂ − α₁) (S₂ − S₁)⁻¹ (S* − <S>).
+TEST(VoxelStiffness, ExpansionIsLevins)
+{
+  const auto sample = noise<3>({ 12, 11, 13 }, 2, 9);
+  const Lattice lattice = latticeOf(sample.size);
+  const std::vector<PhaseStiffness> phases{ isotropicStiffness(Continuum::Space, 1, 0.3),
+    isotropicStiffness(Continuum::Space, 8, 0.2) };
+  VoxelStiffnessOptions o;
+  o.tolerance = 1e-9;
+  o.estimateError = false;
+  const double a1 = 3e-5;
+  const double a2 = 5e-6;
+  o.expansion = { { a1, a1, a1, 0, 0, 0 }, { a2, a2, a2, 0, 0, 0 } };
+  const VoxelStiffness r = studyVoxelStiffness(lattice, sample.phase, phases, o);
+  const Eigen::MatrixXd compliance = Eigen::Map<const Eigen::MatrixXd>(r.stiffness.data(), 6, 6).inverse();
+  std::array<Eigen::MatrixXd, 2> s;
+  for (std::size_t k = 0; k < 2; ++k)
+  {
+    ElasticLaw<3> law;
+    std::copy(phases[k].begin(), phases[k].end(), law.stiffness.begin());
+    s[k] = matrixOf(law).inverse();
+  }
+  const double share = static_cast<double>(std::count(sample.phase.begin(), sample.phase.end(), 1)) /
+    static_cast<double>(sample.phase.size());
+  Eigen::VectorXd unit(6);
+  unit << 1, 1, 1, 0, 0, 0;
+  const Eigen::VectorXd exact = ((1 - share) * a1 + share * a2) * unit +
+    (compliance - (1 - share) * s[0] - share * s[1]) * (s[1] - s[0]).inverse() * ((a2 - a1) * unit);
+  for (Eigen::Index k = 0; k < 6; ++k)
+    EXPECT_NEAR(r.expansion[static_cast<std::size_t>(k)], exact(k), 1e-6 * a1);
+}
+
+// Uniform strain is an upper bound, mirror images and repetition lie below it; all within Voigt's and Reuss's.
+TEST(VoxelStiffness, BoundsAreInOrder)
+{
+  const auto sample = noise<3>({ 14, 12, 13 }, 2, 10);
+  const Lattice lattice = latticeOf(sample.size);
+  const std::vector<PhaseStiffness> phases{ isotropicStiffness(Continuum::Space, 1, 0.1),
+    isotropicStiffness(Continuum::Space, 30, 0.3) };
+  VoxelStiffnessOptions o;
+  o.estimateError = false;
+  const auto of = [&](StiffnessSides sides)
+  {
+    o.sides = sides;
+    return studyVoxelStiffness(lattice, sample.phase, phases, o);
+  };
+  const VoxelStiffness periodic = of(StiffnessSides::Periodic);
+  const VoxelStiffness uniform = of(StiffnessSides::UniformStrain);
+  const VoxelStiffness straight = of(StiffnessSides::Straight);
+  for (std::size_t k = 0; k < 6; ++k)
+  {
+    const std::size_t i = 7 * k;
+    EXPECT_LT(periodic.stiffness[i], uniform.stiffness[i]);
+    EXPECT_LT(straight.stiffness[i], uniform.stiffness[i]);
+    EXPECT_LT(uniform.stiffness[i], periodic.voigt[i]);
+    EXPECT_GT(periodic.stiffness[i], periodic.reuss[i]);
+    EXPECT_GT(straight.stiffness[i], periodic.reuss[i]);
+  }
+}
+
+// A box and its mirror images along all axes repeat: straight sides give what the eightfold box has.
+TEST(VoxelStiffness, StraightSidesAreMirrors)
+{
+  const auto sample = noise<2>({ 9, 8 }, 2, 11);
+  Sample<2> mirrored({ 18, 16 });
+  mirrored.fill(
+    [&](const auto& at)
+    {
+      const std::int64_t x = at[0] < 9 ? at[0] : 17 - at[0];
+      const std::int64_t y = at[1] < 8 ? at[1] : 15 - at[1];
+      return sample.phase[static_cast<std::size_t>(x + 9 * y)];
+    });
+  const std::vector<PhaseStiffness> phases{ isotropicStiffness(Continuum::PlaneStrain, 1, 0.3),
+    isotropicStiffness(Continuum::PlaneStrain, 20, 0.2) };
+  VoxelStiffnessOptions o;
+  o.estimateError = false;
+  o.tolerance = 1e-9;
+  o.sides = StiffnessSides::Straight;
+  const VoxelStiffness half = studyVoxelStiffness(makeLattice(9, 8, 1, 2, 1e-6), sample.phase, phases, o);
+  o.sides = StiffnessSides::Periodic;
+  const VoxelStiffness whole = studyVoxelStiffness(makeLattice(18, 16, 1, 2, 1e-6), mirrored.phase, phases, o);
+  for (std::size_t i = 0; i < 9; ++i)
+    EXPECT_NEAR(half.stiffness[i], whole.stiffness[i], 3e-5);
+}
+
+TEST(VoxelStiffness, LoosePiecesGoAndVoidsAreRefused)
+{
+  Sample<2> sample({ 24, 20 });
+  sample.fill(
+    [](const auto& at) { return at[1] < 6 || (at[0] > 9 && at[0] < 14 && at[1] > 10 && at[1] < 15) ? 1 : 0; });
+  const std::vector<PhaseStiffness> phases{ voidStiffness(Continuum::PlaneStress),
+    isotropicStiffness(Continuum::PlaneStress, 1, 0.25) };
+  VoxelStiffnessOptions o;
+  const Lattice lattice = makeLattice(24, 20, 1, 2, 1e-6);
+  const VoxelStiffness r = studyVoxelStiffness(lattice, sample.phase, phases, o);
+  EXPECT_EQ(r.loosePieces, 1);
+  EXPECT_EQ(r.looseVoxels, 16);
+  EXPECT_NEAR(r.constants.youngsModulus[0], 6.0 / 20, 1e-6); // a bar
+  EXPECT_EQ(r.constants.youngsModulus[1], 0);
+  EXPECT_TRUE(r.crosses[0]);
+  EXPECT_FALSE(r.crosses[1]);
+  std::ranges::fill(sample.phase, std::uint8_t{ 0 });
+  EXPECT_THROW((void)studyVoxelStiffness(lattice, sample.phase, phases, o), NoPathError);
+  sample.phase[30] = 1;
+  EXPECT_THROW((void)studyVoxelStiffness(lattice, sample.phase, phases, o), NoPathError);
+  o.memory = 1000;
+  EXPECT_THROW((void)studyVoxelStiffness(lattice, sample.phase, phases, o), MemoryError);
+}
+
+TEST(ElasticMaterials, RefuseWhatCannotBe)
+{
+  for (const double poisson : { -1.0, 0.5, 0.7, std::nan("") })
+    EXPECT_THROW((void)isotropicStiffness(Continuum::Space, 1e9, poisson), ParameterError) << poisson;
+  EXPECT_NO_THROW((void)isotropicStiffness(Continuum::PlaneStress, 1e9, 0.5));
+  EXPECT_THROW((void)isotropicStiffness(Continuum::Space, 0, 0.3), ParameterError);
+  // transverse: 1 − ν_T − 2 ν_L² E_T/E_L > 0
+  EXPECT_THROW((void)transverseStiffness(Continuum::Space, { 1, 1, 0.7, 0.3, 1 }, { 1, 0, 0 }), ParameterError);
+  PhaseStiffness bad = isotropicStiffness(Continuum::PlaneStrain, 1, 0.3);
+  bad[0] = -1;
+  EXPECT_THROW(requireStable(Continuum::PlaneStrain, bad, "a phase"), ParameterError);
+}
+
+// A material whose constants are those of an isotropic one is the same whichever way its axis points; and one turned by
+// 30° in the plane has 1/E = c⁴/E₁ + s⁴/E₂ + (1/G − 2 ν/E₁) s² c².
+TEST(ElasticMaterials, TurnWithTheirAxis)
+{
+  const double young = 3;
+  const double poisson = 0.3;
+  const TransverseMaterial same{ young, young, poisson, poisson, young / (2 * (1 + poisson)) };
+  const PhaseStiffness isotropic = isotropicStiffness(Continuum::Space, young, poisson);
+  const PhaseStiffness turned = transverseStiffness(Continuum::Space, same, { 0.3, -0.5, 0.8 });
+  for (std::size_t k = 0; k < isotropic.size(); ++k)
+    EXPECT_NEAR(turned[k], isotropic[k], 1e-12);
+
+  const TransverseMaterial wood{ 8, 6.4, 0.3, 0.35, 2.5 };
+  const double angle = 0.5235987755982988;
+  const double c = std::cos(angle);
+  const double s = std::sin(angle);
+  const PhaseStiffness plane = transverseStiffness(Continuum::PlaneStress, wood, { c, s, 0 });
+  ElasticLaw<2> law;
+  std::copy(plane.begin(), plane.end(), law.stiffness.begin());
+  const double expected = 1 / (std::pow(c, 4) / 8 + std::pow(s, 4) / 6.4 + (1 / 2.5 - 2 * 0.3 / 8) * s * s * c * c);
+  EXPECT_NEAR(1 / matrixOf(law).inverse()(0, 0), expected, 1e-12);
 }
 
 } // namespace
