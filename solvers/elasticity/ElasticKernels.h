@@ -34,6 +34,12 @@ constexpr int stiffnessSize(int dimension)
   return voigtSize(dimension) * (voigtSize(dimension) + 1) / 2;
 }
 
+/// Moduli of a material that is the same in all directions across an axis n,
+/// C = λ δ_ij δ_kl + μ (δ_ik δ_jl + δ_il δ_jk) + α (δ_ij n_k n_l + n_i n_j δ_kl) + β n_i n_j n_k n_l
+///   + γ (δ_ik n_j n_l + δ_il n_j n_k + δ_jk n_i n_l + δ_jl n_i n_k),
+/// in the order λ, μ, α, β, γ; an isotropic one has the first two alone.
+inline constexpr int axialSize = 5;
+
 /// Arrays of these kernels are read to this many values beyond their ends; sums go as far, too.
 inline constexpr std::int64_t spareValues = 34;
 
@@ -83,6 +89,16 @@ struct ElasticKernels
   /// λ and μ of each element by its phase.
   void (*lookUp)(
     std::int64_t n, const std::uint8_t* phase, const float* tableA, const float* tableB, float* a, float* b);
+  /// Upper triangle of C of each element: of axial moduli by its phase, table[modulus][id], and its axis, three numbers
+  /// of any length (no length: none).
+  void (*turnPlane)(
+    std::int64_t n, const std::uint8_t* phase, const float* const* table, const float* axis, float* const* out);
+  void (*turnSpace)(
+    std::int64_t n, const std::uint8_t* phase, const float* const* table, const float* axis, float* const* out);
+  void (*turnPlaneDouble)(
+    std::int64_t n, const std::uint8_t* phase, const double* const* table, const float* axis, double* const* out);
+  void (*turnSpaceDouble)(
+    std::int64_t n, const std::uint8_t* phase, const double* const* table, const float* axis, double* const* out);
 };
 
 /// The fastest set that this processor can run.

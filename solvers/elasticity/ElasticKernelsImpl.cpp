@@ -541,10 +541,80 @@ void lookUp(std::int64_t n, const std::uint8_t* phase, const float* tableA, cons
   }
 }
 
+constexpr int voigtAxis(int dimension, int component, int which)
+{
+  for (int a = 0; a < dimension; ++a)
+    for (int b = a; b < dimension; ++b)
+      if (voigt(dimension, a, b) == component)
+        return which == 0 ? a : b;
+  return 0;
+}
+
+template <int D, class Real>
+void turn(std::int64_t n, const std::uint8_t* phase, const Real* const* table, const float* axis, Real* const* out)
+{
+  constexpr int m = voigtSize(D);
+  for (std::int64_t i = 0; i < n; ++i)
+  {
+    const std::uint8_t id = phase[i];
+    Real v[3];
+    Real length = 0;
+    for (int a = 0; a < D; ++a)
+    {
+      v[a] = static_cast<Real>(axis[3 * i + a]);
+      length += v[a] * v[a];
+    }
+    const Real unit = length > 0 ? 1 / length : Real{ 0 };
+    Real nn[m];
+    times<m>([&](auto k) { nn[k] = unit * v[voigtAxis(D, k, 0)] * v[voigtAxis(D, k, 1)]; });
+    const Real lambda = table[0][id];
+    const Real mu = table[1][id];
+    const Real alpha = table[2][id];
+    const Real beta = table[3][id];
+    const Real gamma = table[4][id];
+    times<m>(
+      [&](auto p)
+      {
+        times<m>(
+          [&](auto q)
+          {
+            if constexpr (p <= q)
+            {
+              constexpr int a = voigtAxis(D, p, 0);
+              constexpr int b = voigtAxis(D, p, 1);
+              constexpr int c = voigtAxis(D, q, 0);
+              constexpr int d = voigtAxis(D, q, 1);
+              Real value = beta * nn[p] * nn[q];
+              if constexpr (a == b && c == d)
+                value += lambda;
+              if constexpr (a == b)
+                value += alpha * nn[q];
+              if constexpr (c == d)
+                value += alpha * nn[p];
+              constexpr int twice = (a == c && b == d ? 1 : 0) + (a == d && b == c ? 1 : 0);
+              if constexpr (twice > 0)
+                value += twice * mu;
+              Real sum = 0;
+              if constexpr (a == c)
+                sum += nn[voigt(D, b, d)];
+              if constexpr (a == d)
+                sum += nn[voigt(D, b, c)];
+              if constexpr (b == c)
+                sum += nn[voigt(D, a, d)];
+              if constexpr (b == d)
+                sum += nn[voigt(D, a, c)];
+              out[triangle(m, p, q)][i] = value + gamma * sum;
+            }
+          });
+      });
+  }
+}
+
 } // namespace
 
 extern const ElasticKernels LAMELLA_KERNELS;
 const ElasticKernels LAMELLA_KERNELS = { applySingle<2>, applySingle<3>, applyDouble<2>, applyDouble<3>, stressesAny<2>,
-  stressesAny<3>, relax, relaxFirst, difference, dot, dotAndSums, direct, step<float>, step<double>, add, lookUp };
+  stressesAny<3>, relax, relaxFirst, difference, dot, dotAndSums, direct, step<float>, step<double>, add, lookUp,
+  turn<2, float>, turn<3, float>, turn<2, double>, turn<3, double> };
 
 } // namespace lamella::elasticity

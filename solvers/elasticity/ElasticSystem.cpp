@@ -7,7 +7,9 @@
 
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <numeric>
+#include <type_traits>
 
 namespace lamella::elasticity
 {
@@ -19,7 +21,31 @@ constexpr double leastProgress = 0.25; // of its square, or no more is tried
 // What the energy has fallen in the last steps is what it still had to fall before them, at least (Strakoš & Tichý,
 // Electron. Trans. Numer. Anal. 13 (2002) 56).
 constexpr int delay = 4;
+constexpr int directions = 24;   // of an axis, among which an element's largest eigenvalue is looked for
 constexpr double nothing = 1e-3; // of the tolerance, in one step
+
+} // namespace
+
+namespace
+{
+
+template <int D>
+std::array<double, stiffnessSize(D)> turned(const ElasticLaw<D>& law, const std::array<float, 3>& axis)
+{
+  std::array<double, stiffnessSize(D)> c{};
+  std::array<double*, stiffnessSize(D)> out{};
+  for (std::size_t k = 0; k < c.size(); ++k)
+    out[k] = &c[k];
+  std::array<const double*, axialSize> table{};
+  for (std::size_t k = 0; k < table.size(); ++k)
+    table[k] = &law.axial[k];
+  const std::uint8_t id = 0;
+  if constexpr (D == 2)
+    elasticKernels().turnPlaneDouble(1, &id, table.data(), axis.data(), out.data());
+  else
+    elasticKernels().turnSpaceDouble(1, &id, table.data(), axis.data(), out.data());
+  return c;
+}
 
 } // namespace
 
@@ -56,29 +82,55 @@ void ElasticSystem<D>::setLaws()
   isotropic_ = true;
   double lambda = 0;
   double mu = 0;
-  for (const ElasticLaw<D>& law : problem_.laws)
+  for (ElasticLaw<D>& law : problem_.laws)
   {
+    if (law.turns()) // with its axis along x
+      law.stiffness = turned<D>(law, { 1, 0, 0 });
     scale_ = std::max(scale_, *std::ranges::max_element(law.stiffness));
-    isotropic_ = isotropic_ && law.isotropic(lambda, mu);
+    turns_ = turns_ || law.turns();
+    isotropic_ = isotropic_ && !law.turns() && law.isotropic(lambda, mu);
   }
   const double factor = cornerFactor<D> * cornerFactor<D> / scale_;
   for (auto& table : exactTable_)
     table.assign(256, 0.0);
+  for (auto& table : exactAxial_)
+    table.assign(turns_ ? 256 : 0, 0.0);
+  full_.assign(256, false);
   for (std::size_t id = 0; id < problem_.laws.size(); ++id)
   {
     const ElasticLaw<D>& law = problem_.laws[id];
+    const bool plain = law.isotropic(lambda, mu);
     if (isotropic_)
     {
-      (void)law.isotropic(lambda, mu);
       exactTable_[0][id] = factor * lambda;
       exactTable_[1][id] = factor * mu;
     }
     else
       for (std::size_t k = 0; k < law.stiffness.size(); ++k)
         exactTable_[k][id] = factor * law.stiffness[k];
+    for (std::size_t k = 0; k < axialSize && turns_; ++k)
+      if (law.turns() || (plain && k < 2))
+        exactAxial_[k][id] = factor * (law.turns() ? law.axial[k] : k == 0 ? lambda : mu);
+    full_[id] = turns_ && !law.turns() && !plain;
   }
   for (std::size_t k = 0; k < table_.size(); ++k)
     table_[k].assign(exactTable_[k].begin(), exactTable_[k].end());
+  for (std::size_t k = 0; k < axialSize; ++k)
+    axial_[k].assign(exactAxial_[k].begin(), exactAxial_[k].end());
+  if (!turns_)
+    return;
+  std::int64_t lost = 0;
+  for (std::size_t i = 0; i < problem_.phase.size(); ++i)
+    if (problem_.laws[problem_.phase[i]].turns())
+    {
+      double length = 0;
+      for (std::size_t a = 0; a < D && i < problem_.axis.size(); ++a)
+        length += static_cast<double>(problem_.axis[i][a]) * problem_.axis[i][a];
+      lost += length > 0 && std::isfinite(length) ? 0 : 1;
+    }
+  if (lost > 0)
+    throw ParameterError(fmt::format("{} voxels of phases with an axis have none to go by", lost),
+      "give these voxels an axis, or the phase one stiffness in all directions");
 }
 
 template <int D>
@@ -114,6 +166,21 @@ double ElasticSystem<D>::largestEigenvalue(std::array<double, D> widths) const
     if (!problem_.laws[id].isVoid())
       for (std::size_t k = 0; k < moduli.size(); ++k)
         (k == 0 ? stiffness.emplace_back() : stiffness.back())[k] = exactTable_[k][id];
+  // whichever way an axis points
+  const double factor = cornerFactor<D> * cornerFactor<D> / scale_;
+  for (const ElasticLaw<D>& law : problem_.laws)
+    for (int direction = 0; direction < directions && law.turns(); ++direction)
+    {
+      const double angle = std::numbers::pi * direction / directions;
+      const double height = D == 3 ? (2 * direction + 1.0) / directions - 1 : 0;
+      const double flat = std::sqrt(1 - height * height);
+      const double around = D == 3 ? 2.399963 * direction : angle; // by the golden angle
+      const auto c = turned<D>(law,
+        { static_cast<float>(flat * std::cos(around)), static_cast<float>(flat * std::sin(around)),
+          static_cast<float>(height) });
+      for (std::size_t k = 0; k < c.size(); ++k)
+        (k == 0 ? stiffness.emplace_back() : stiffness.back())[k] = factor * c[k];
+    }
   if (isotropic_ && !stiffness.empty())
     stiffness.push_back({ 2, 1 });
   double largest = 0;
@@ -173,19 +240,44 @@ ElasticSystem<D>::ElasticSystem(const ElasticProblem<D>& problem, const ElasticO
       for (std::int64_t i = 0; i < nx; ++i)
         buffer[k][i] = table[static_cast<std::size_t>(k)][id[i]];
   };
-  const ModuliRows<float> single = [this, nx, kinds, ids, copied](
+  // of laws that turn; then of tensors that do not
+  const auto turn = [this, nx, ny](
+                      std::int64_t row, std::int64_t plane, const auto& axial, const auto& table, auto* const* out)
+  {
+    using Real = std::remove_reference_t<decltype(**out)>;
+    const std::int64_t first = nx * (row + ny * plane);
+    const std::uint8_t* const id = problem_.phase.data() + first;
+    const float* const axis = problem_.axis[static_cast<std::size_t>(first)].data();
+    std::array<const Real*, axialSize> moduli{};
+    for (std::size_t k = 0; k < moduli.size(); ++k)
+      moduli[k] = axial[k].data();
+    const ElasticKernels& kernels = elasticKernels();
+    if constexpr (std::is_same_v<Real, float>)
+      (D == 2 ? kernels.turnPlane : kernels.turnSpace)(nx, id, moduli.data(), axis, out);
+    else
+      (D == 2 ? kernels.turnPlaneDouble : kernels.turnSpaceDouble)(nx, id, moduli.data(), axis, out);
+    for (std::int64_t i = 0; i < nx; ++i)
+      for (std::size_t k = 0; k < table.size() && full_[id[i]]; ++k)
+        out[k][i] = table[k][id[i]];
+  };
+  const ModuliRows<float> single = [this, nx, kinds, ids, copied, turn](
                                      std::int64_t row, std::int64_t plane, float* const* buffer, const float** rows)
   {
     if (isotropic_)
       elasticKernels().lookUp(nx, ids(row, plane), table_[0].data(), table_[1].data(), buffer[0], buffer[1]);
+    else if (turns_)
+      turn(row, plane, axial_, table_, buffer);
     else
       copied(ids(row, plane), table_, buffer);
     std::copy_n(buffer, kinds, rows);
   };
-  const ModuliRows<double> exact = [this, kinds, ids, copied](
+  const ModuliRows<double> exact = [this, kinds, ids, copied, turn](
                                      std::int64_t row, std::int64_t plane, double* const* buffer, const double** rows)
   {
-    copied(ids(row, plane), exactTable_, buffer);
+    if (turns_)
+      turn(row, plane, exactAxial_, exactTable_, buffer);
+    else
+      copied(ids(row, plane), exactTable_, buffer);
     std::copy_n(buffer, kinds, rows);
   };
   op_ = std::make_unique<ElasticOperator<D>>(grid, isotropic_, single, exact, problem.threads);
@@ -211,17 +303,30 @@ std::size_t ElasticSystem<D>::bytes() const noexcept
 template <int D>
 std::array<double, voigtSize(D) * voigtSize(D)> ElasticSystem<D>::voigtBound() const
 {
-  std::array<double, 256> counts{};
-  for (const std::uint8_t id : problem_.phase)
-    ++counts[id];
   constexpr int n = voigtSize(D);
-  std::array<double, n * n> mean{};
+  std::array<double, stiffnessSize(D)> mean{};
+  std::array<double, 256> counts{};
+  const double each = 1.0 / static_cast<double>(problem_.phase.size());
+  for (std::size_t i = 0; i < problem_.phase.size(); ++i)
+  {
+    const ElasticLaw<D>& law = problem_.laws[problem_.phase[i]];
+    if (!law.turns())
+      ++counts[problem_.phase[i]];
+    else
+    {
+      const auto c = turned<D>(law, problem_.axis[i]);
+      for (std::size_t k = 0; k < c.size(); ++k)
+        mean[k] += each * c[k];
+    }
+  }
   for (std::size_t id = 0; id < problem_.laws.size(); ++id)
-    for (int i = 0; i < n; ++i)
-      for (int j = 0; j < n; ++j)
-        mean[static_cast<std::size_t>(i * n + j)] += counts[id] / static_cast<double>(problem_.phase.size()) *
-          problem_.laws[id].stiffness[static_cast<std::size_t>(triangle(n, i, j))];
-  return mean;
+    for (std::size_t k = 0; k < mean.size(); ++k)
+      mean[k] += counts[id] * each * problem_.laws[id].stiffness[k];
+  std::array<double, n * n> bound{};
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      bound[static_cast<std::size_t>(i * n + j)] = mean[static_cast<std::size_t>(triangle(n, i, j))];
+  return bound;
 }
 
 template <int D>

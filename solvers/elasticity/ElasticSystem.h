@@ -17,7 +17,14 @@ template <int D>
 struct ElasticLaw
 {
   std::array<double, stiffnessSize(D)> stiffness{};
+  /// Moduli as axialSize tells [Pa], of a material whose axis is each voxel's own; all 0: `stiffness` holds as it is.
+  std::array<double, axialSize> axial{};
 
+  [[nodiscard]] bool turns() const
+  {
+    return std::ranges::any_of(
+      axial, [](double c) { return c != 0; });
+  }
   [[nodiscard]] bool isVoid() const
   {
     return std::ranges::all_of(
@@ -34,9 +41,10 @@ struct ElasticProblem
   std::array<std::int64_t, D> elements{};
   std::array<double, D> aspect{}; ///< edges of a voxel over that along x; 0: 1
   std::array<bool, D> periodic{};
-  std::array<std::array<bool, D>, D> held{}; ///< as ElasticGrid's
-  std::span<const std::uint8_t> phase;       ///< of each voxel, x fastest
-  std::vector<ElasticLaw<D>> laws;           ///< by phase
+  std::array<std::array<bool, D>, D> held{};  ///< as ElasticGrid's
+  std::span<const std::uint8_t> phase;        ///< of each voxel, x fastest
+  std::vector<ElasticLaw<D>> laws;            ///< by phase
+  std::span<const std::array<float, 3>> axis; ///< of each voxel, of any length; where some law turns
   int threads = 1;
 };
 
@@ -97,6 +105,10 @@ private:
   ElasticOptions options_;
   double scale_ = 1; ///< the largest modulus [Pa]
   bool isotropic_ = true;
+  bool turns_ = false;
+  std::array<std::vector<float>, axialSize> axial_; ///< by phase id, where some law turns
+  std::array<std::vector<double>, axialSize> exactAxial_;
+  std::vector<bool> full_;                                 ///< by phase id: a tensor of its own among laws that turn
   std::array<std::vector<float>, stiffnessSize(D)> table_; ///< by phase id
   std::array<std::vector<double>, stiffnessSize(D)> exactTable_;
   std::unique_ptr<ElasticOperator<D>> op_;

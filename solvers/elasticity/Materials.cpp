@@ -125,4 +125,23 @@ PhaseStiffness transverseStiffness(
   return inPlane(continuum, triangleOf(bond * matrixOf(straight, 6) * bond.transpose()));
 }
 
+std::array<double, 5> axialModuli(Continuum continuum, const TransverseMaterial& material)
+{
+  const PhaseStiffness c = transverseStiffness(continuum, material, { 1, 0, 0 });
+  const int n = voigtSize(dimensionOf(continuum));
+  const auto at = [&](int i, int j) { return c[static_cast<std::size_t>(triangle(n, i, j))]; };
+  if (continuum != Continuum::Space)
+  {
+    const double mu = at(2, 2);
+    const double lambda = at(1, 1) - 2 * mu;
+    const double alpha = at(0, 1) - lambda;
+    return { lambda, mu, alpha, at(0, 0) - lambda - 2 * mu - 2 * alpha, 0 };
+  }
+  const double mu = at(3, 3);
+  const double lambda = at(1, 2);
+  const double alpha = at(0, 1) - lambda;
+  const double gamma = at(5, 5) - mu;
+  return { lambda, mu, alpha, at(0, 0) - lambda - 2 * mu - 2 * alpha - 4 * gamma, gamma };
+}
+
 } // namespace lamella::elasticity

@@ -46,6 +46,11 @@ struct TransverseMaterial
 [[nodiscard]] PhaseStiffness transverseStiffness(
   Continuum continuum, const TransverseMaterial& material, const std::array<double, 3>& axis);
 
+/// λ, μ, α, β, γ of ElasticKernels.h [Pa]: what a voxel has whose own axis the material follows. In the plane the axis
+/// lies in it, and γ is 0, since four constants tell all.
+/// @throws ParameterError as transverseStiffness()
+[[nodiscard]] std::array<double, 5> axialModuli(Continuum continuum, const TransverseMaterial& material);
+
 /// @param space 21 numbers: what a plane of that material has in plane stress or plane strain
 [[nodiscard]] PhaseStiffness inPlane(Continuum continuum, const PhaseStiffness& space);
 

@@ -273,6 +273,56 @@ TEST(Elasticity, TakesAnyTensor)
   EXPECT_LT((solved(q, 1e-10) - exact).norm(), 1e-8 * exact.norm());
 }
 
+// Every voxel with an axis of its own: as if it were a phase of its own, turned beforehand.
+TEST(Elasticity, TurnsWithAxes)
+{
+  const TransverseMaterial wood{ 8, 1.2, 0.4, 0.5, 0.9 };
+  const Sample<3> space = noise<3>({ 6, 5, 7 }, 3, 12);
+  std::mt19937 random(13);
+  std::normal_distribution<float> normal;
+  std::vector<std::array<float, 3>> axis(space.phase.size());
+  auto single = problemOf<3>(space, {});
+  Sample<3> each(space.size);
+  std::vector<ElasticLaw<3>> laws;
+  const PhaseStiffness full = transverseStiffness(Continuum::Space, wood, { 1, 2, -1 });
+  for (std::size_t i = 0; i < axis.size(); ++i)
+  {
+    for (float& a : axis[i])
+      a = normal(random);
+    const int id = space.phase[i];
+    const PhaseStiffness own = id == 0
+      ? transverseStiffness(Continuum::Space, wood, { axis[i][0], axis[i][1], axis[i][2] })
+      : id == 1 ? isotropicStiffness(Continuum::Space, 3, 0.3)
+                : full;
+    std::copy(own.begin(), own.end(), laws.emplace_back().stiffness.begin());
+    each.phase[i] = static_cast<std::uint8_t>(i);
+  }
+  single.laws.resize(3);
+  single.laws[0].axial = axialModuli(Continuum::Space, wood);
+  single.laws[1] = inSpace(3, 0.3);
+  std::copy(full.begin(), full.end(), single.laws[2].stiffness.begin());
+  single.axis = axis;
+  const Eigen::MatrixXd expected = dense(problemOf<3>(each, laws));
+  EXPECT_LT((solved(single, 1e-10) - expected).norm(), 1e-7 * expected.norm()); // axes are in single precision
+
+  const Sample<2> plane = noise<2>({ 15, 16 }, 1, 12);
+  std::vector<std::array<float, 3>> flat(plane.phase.size());
+  Sample<2> own(plane.size);
+  std::vector<ElasticLaw<2>> turned;
+  for (std::size_t i = 0; i < flat.size(); ++i)
+  {
+    flat[i] = { normal(random), normal(random), 0 };
+    const PhaseStiffness c = transverseStiffness(Continuum::PlaneStress, wood, { flat[i][0], flat[i][1], 0 });
+    std::copy(c.begin(), c.end(), turned.emplace_back().stiffness.begin());
+    own.phase[i] = static_cast<std::uint8_t>(i);
+  }
+  auto picture = problemOf<2>(plane, std::vector<ElasticLaw<2>>(1));
+  picture.laws[0].axial = axialModuli(Continuum::PlaneStress, wood);
+  picture.axis = flat;
+  const Eigen::MatrixXd exact = dense(problemOf<2>(own, turned));
+  EXPECT_LT((solved(picture, 1e-10) - exact).norm(), 1e-7 * exact.norm());
+}
+
 TEST(Elasticity, LaminatesAreExact)
 {
   // layers across x, y or z: the fields that elements hold
