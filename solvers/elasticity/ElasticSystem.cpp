@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -21,8 +22,9 @@ constexpr double leastProgress = 0.25; // of its square, or no more is tried
 // What the energy has fallen in the last steps is what it still had to fall before them, at least (Strakoš & Tichý,
 // Electron. Trans. Numer. Anal. 13 (2002) 56).
 constexpr int delay = 4;
-constexpr int directions = 24;   // of an axis, among which an element's largest eigenvalue is looked for
-constexpr double nothing = 1e-3; // of the tolerance, in one step
+constexpr int directions = 24;     // of an axis, among which an element's largest eigenvalue is looked for
+constexpr double stiffPieces = 30; // contrast from which on pieces of the stiff phases move as bodies
+constexpr double nothing = 1e-3;   // of the tolerance, in one step
 
 } // namespace
 
@@ -134,7 +136,8 @@ void ElasticSystem<D>::setLaws()
 }
 
 template <int D>
-double ElasticSystem<D>::largestEigenvalue(std::array<double, D> widths) const
+typename ElasticSystem<D>::ElementMatrix ElasticSystem<D>::elementMatrix(
+  const std::array<double, stiffnessSize(D)>& values, const std::array<double, D>& widths) const
 {
   constexpr int corners = 1 << D;
   constexpr int rows = corners / 2;
@@ -159,12 +162,39 @@ double ElasticSystem<D>::largestEigenvalue(std::array<double, D> widths) const
       row.u[c][r] = u.data() + (c * rows + r) * length;
       out[c][r] = q.data() + (c * rows + r) * length;
     }
+  for (std::size_t k = 0; k < moduli.size(); ++k)
+  {
+    moduli[k].assign(length, 0.0);
+    moduli[k][0] = values[k];
+    row.moduli[k] = moduli[k].data();
+  }
+  ElementMatrix matrix;
+  const auto place = [&](int m)
+  { return static_cast<std::size_t>((m / corners * rows + m % corners / 2) * length + m % 2); };
+  for (int m = 0; m < n; ++m)
+  {
+    std::ranges::fill(u, 0.0);
+    std::ranges::fill(q, 0.0);
+    u[place(m)] = 1;
+    if constexpr (D == 2)
+      elasticKernels().planeDouble(row, out);
+    else
+      elasticKernels().spaceDouble(row, out);
+    for (int l = 0; l < n; ++l)
+      matrix(l, m) = q[place(l)];
+  }
+  return matrix;
+}
+
+template <int D>
+double ElasticSystem<D>::largestEigenvalue(std::array<double, D> widths) const
+{
   // Coarse elements have means of the phases' stiffness, and what is to be bounded is largest for one of them, or where
   // λ is 2 μ: between these a matrix over its trace is quasi-convex.
   std::vector<std::array<double, stiffnessSize(D)>> stiffness;
   for (std::size_t id = 0; id < problem_.laws.size(); ++id)
     if (!problem_.laws[id].isVoid())
-      for (std::size_t k = 0; k < moduli.size(); ++k)
+      for (std::size_t k = 0; k < table_.size(); ++k)
         (k == 0 ? stiffness.emplace_back() : stiffness.back())[k] = exactTable_[k][id];
   // whichever way an axis points
   const double factor = cornerFactor<D> * cornerFactor<D> / scale_;
@@ -186,32 +216,47 @@ double ElasticSystem<D>::largestEigenvalue(std::array<double, D> widths) const
   double largest = 0;
   for (const auto& values : stiffness)
   {
-    for (std::size_t k = 0; k < moduli.size(); ++k)
-    {
-      moduli[k].assign(length, 0.0);
-      moduli[k][0] = values[k];
-      row.moduli[k] = moduli[k].data();
-    }
-    Eigen::Matrix<double, n, n> matrix;
-    const auto place = [&](int m)
-    { return static_cast<std::size_t>((m / corners * rows + m % corners / 2) * length + m % 2); };
-    for (int m = 0; m < n; ++m)
-    {
-      std::ranges::fill(u, 0.0);
-      std::ranges::fill(q, 0.0);
-      u[place(m)] = 1;
-      if constexpr (D == 2)
-        elasticKernels().planeDouble(row, out);
-      else
-        elasticKernels().spaceDouble(row, out);
-      for (int l = 0; l < n; ++l)
-        matrix(l, m) = q[place(l)];
-    }
-    const double diagonal = matrix.trace() / n;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, n, n>> modes(matrix, Eigen::EigenvaluesOnly);
-    largest = std::max(largest, modes.eigenvalues()(n - 1) / diagonal);
+    const ElementMatrix matrix = elementMatrix(values, widths);
+    const double diagonal = matrix.trace() / static_cast<double>(matrix.rows());
+    const Eigen::SelfAdjointEigenSolver<ElementMatrix> modes(matrix, Eigen::EigenvaluesOnly);
+    largest = std::max(largest, modes.eigenvalues()(matrix.rows() - 1) / diagonal);
   }
   return largest;
+}
+
+template <int D>
+void ElasticSystem<D>::findPieces()
+{
+  std::array<bool, 256> present{};
+  for (const std::uint8_t id : problem_.phase)
+    present[id] = true;
+  double most = 0;
+  double least = std::numeric_limits<double>::infinity();
+  const auto stiffnessOf = [&](std::size_t id) { return *std::ranges::max_element(problem_.laws[id].stiffness); };
+  for (std::size_t id = 0; id < problem_.laws.size(); ++id)
+    if (present[id] && !problem_.laws[id].isVoid())
+    {
+      most = std::max(most, stiffnessOf(id));
+      least = std::min(least, stiffnessOf(id));
+    }
+  if (!(most > stiffPieces * least))
+    return;
+  std::vector<bool> stiff(256, false);
+  for (std::size_t id = 0; id < problem_.laws.size(); ++id)
+    stiff[id] = stiffnessOf(id) * stiffnessOf(id) > most * least;
+  std::array<double, D> edges{};
+  for (std::size_t a = 0; a < D; ++a)
+    edges[a] = problem_.aspect[a] == 0 ? 1 : problem_.aspect[a];
+  pieces_ = std::make_unique<StiffPieces<D>>(op_->grid(), problem_.phase, stiff,
+    [&](std::uint8_t id)
+    {
+      std::array<double, stiffnessSize(D)> values{};
+      for (std::size_t k = 0; k < values.size(); ++k)
+        values[k] = exactTable_[k][id];
+      return elementMatrix(values, edges);
+    });
+  if (pieces_->pieces() < 2)
+    pieces_.reset();
 }
 
 template <int D>
@@ -283,6 +328,8 @@ ElasticSystem<D>::ElasticSystem(const ElasticProblem<D>& problem, const ElasticO
   op_ = std::make_unique<ElasticOperator<D>>(grid, isotropic_, single, exact, problem.threads);
   multigrid_ = std::make_unique<ElasticMultigrid<D>>(
     *op_, [this](std::array<double, D> widths) { return largestEigenvalue(widths); }, options.multigrid);
+  if (!std::getenv("NOPIECES"))
+    findPieces();
   const std::size_t n = grid.values();
   if (options_.fields)
     exact_.assign(n, 0.0);
@@ -297,7 +344,7 @@ template <int D>
 std::size_t ElasticSystem<D>::bytes() const noexcept
 {
   return sizeof(float) * (x_.size() + r_.size() + p_.size() + z_.size() + 2 * exact_.size()) + problem_.phase.size() +
-    op_->bytes() + multigrid_->bytes();
+    op_->bytes() + multigrid_->bytes() + (pieces_ ? pieces_->bytes() : 0);
 }
 
 template <int D>
@@ -511,6 +558,8 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       if (result.iterations >= options_.maxIterations)
         fail(result, options_.maxIterations);
       multigrid_->cycle(r_.data(), z_.data());
+      if (pieces_)
+        pieces_->add(r_.data(), z_.data(), threads);
       // Translations that nothing holds are taken off: once the residual is near rounding they would grow.
       std::array<double, D> shift{};
       const double rz = preconditioned(shift);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "elasticity/ElasticMultigrid.h"
+#include "elasticity/StiffPieces.h"
 
 #include <array>
 #include <cstdint>
@@ -99,7 +100,12 @@ public:
 
 private:
   [[nodiscard]] double largestEigenvalue(std::array<double, D> widths) const;
+  using ElementMatrix = typename StiffPieces<D>::ElementMatrix;
+  /// Of an element of these moduli, in the kernels' unit.
+  [[nodiscard]] ElementMatrix elementMatrix(
+    const std::array<double, stiffnessSize(D)>& values, const std::array<double, D>& widths) const;
   void setLaws();
+  void findPieces();
 
   ElasticProblem<D> problem_;
   ElasticOptions options_;
@@ -113,8 +119,9 @@ private:
   std::array<std::vector<double>, stiffnessSize(D)> exactTable_;
   std::unique_ptr<ElasticOperator<D>> op_;
   std::unique_ptr<ElasticMultigrid<D>> multigrid_;
-  std::vector<float> x_, r_, p_, z_; ///< z: preconditioned residual, then the product with the direction
-  std::vector<double> exact_;        ///< in place of x_
+  std::unique_ptr<StiffPieces<D>> pieces_; ///< where there are some
+  std::vector<float> x_, r_, p_, z_;       ///< z: preconditioned residual, then the product with the direction
+  std::vector<double> exact_;              ///< in place of x_
 };
 
 } // namespace lamella::elasticity
