@@ -2,11 +2,11 @@
 
 #include "core/Error.h"
 #include "elasticity/ElasticSweep.h"
+#include "elasticity/Materials.h"
 
 #include <fmt/format.h>
 
 #include <cmath>
-#include <cstdlib>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -24,15 +24,13 @@ constexpr double leastProgress = 0.25; // of its square, or no more is tried
 constexpr int delay = 4;
 constexpr int directions = 24;     // of an axis, among which an element's largest eigenvalue is looked for
 constexpr double stiffPieces = 30; // contrast from which on pieces of the stiff phases move as bodies
+constexpr double standIn = 100;    // a rigid phase is so much stiffer than all others, to multigrid
 constexpr double nothing = 1e-3;   // of the tolerance, in one step
 
 } // namespace
 
-namespace
-{
-
 template <int D>
-std::array<double, stiffnessSize(D)> turned(const ElasticLaw<D>& law, const std::array<float, 3>& axis)
+std::array<double, stiffnessSize(D)> ElasticLaw<D>::turnedTo(const std::array<float, 3>& axis) const
 {
   std::array<double, stiffnessSize(D)> c{};
   std::array<double*, stiffnessSize(D)> out{};
@@ -40,7 +38,7 @@ std::array<double, stiffnessSize(D)> turned(const ElasticLaw<D>& law, const std:
     out[k] = &c[k];
   std::array<const double*, axialSize> table{};
   for (std::size_t k = 0; k < table.size(); ++k)
-    table[k] = &law.axial[k];
+    table[k] = &axial[k];
   const std::uint8_t id = 0;
   if constexpr (D == 2)
     elasticKernels().turnPlaneDouble(1, &id, table.data(), axis.data(), out.data());
@@ -49,7 +47,26 @@ std::array<double, stiffnessSize(D)> turned(const ElasticLaw<D>& law, const std:
   return c;
 }
 
-} // namespace
+template <int D>
+ElasticLaw<D> ElasticLaw<D>::inverse() const
+{
+  constexpr int n = voigtSize(D);
+  const auto c = turnedTo({ 1, 0, 0 });
+  Eigen::Matrix<double, n, n> matrix;
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      matrix(i, j) = c[static_cast<std::size_t>(triangle(n, i, j))];
+  Eigen::Matrix<double, n, n> s = matrix.inverse();
+  s.bottomRows(n - D) *= 0.5;
+  s.rightCols(n - D) *= 0.5;
+  std::vector<double> values;
+  for (int i = 0; i < n; ++i)
+    for (int j = i; j < n; ++j)
+      values.push_back(s(i, j));
+  ElasticLaw law;
+  law.axial = axialParts(D, values);
+  return law;
+}
 
 template <int D>
 ElasticLaw<D> ElasticLaw<D>::ofLame(double lambda, double mu)
@@ -78,49 +95,78 @@ bool ElasticLaw<D>::isotropic(double& lambda, double& mu) const
 }
 
 template <int D>
+typename ElasticSystem<D>::template Tables<double> ElasticSystem<D>::tablesOf(
+  const std::vector<ElasticLaw<D>>& laws) const
+{
+  const double factor = cornerFactor<D> * cornerFactor<D> / scale_;
+  Tables<double> tables;
+  for (auto& table : tables.stiffness)
+    table.assign(256, 0.0);
+  for (auto& table : tables.axial)
+    table.assign(turns_ ? 256 : 0, 0.0);
+  for (std::size_t id = 0; id < laws.size(); ++id)
+  {
+    const ElasticLaw<D>& law = laws[id];
+    double lambda = 0;
+    double mu = 0;
+    const bool plain = law.isotropic(lambda, mu);
+    if (isotropic_)
+    {
+      tables.stiffness[0][id] = factor * lambda;
+      tables.stiffness[1][id] = factor * mu;
+    }
+    else
+      for (std::size_t k = 0; k < law.stiffness.size(); ++k)
+        tables.stiffness[k][id] = factor * law.stiffness[k];
+    for (std::size_t k = 0; k < axialSize && turns_; ++k)
+      if (law.turns() || (plain && k < 2))
+        tables.axial[k][id] = factor * (law.turns() ? law.axial[k] : k == 0 ? lambda : mu);
+  }
+  return tables;
+}
+
+template <int D>
 void ElasticSystem<D>::setLaws()
 {
   scale_ = 0;
   isotropic_ = true;
+  full_.assign(256, false);
+  rigid_.assign(256, false);
   double lambda = 0;
   double mu = 0;
   for (ElasticLaw<D>& law : problem_.laws)
   {
     if (law.turns()) // with its axis along x
-      law.stiffness = turned<D>(law, { 1, 0, 0 });
+      law.stiffness = law.turnedTo({ 1, 0, 0 });
+    if (law.rigid)
+      law.stiffness.fill(0);
     scale_ = std::max(scale_, *std::ranges::max_element(law.stiffness));
     turns_ = turns_ || law.turns();
     isotropic_ = isotropic_ && !law.turns() && law.isotropic(lambda, mu);
   }
-  const double factor = cornerFactor<D> * cornerFactor<D> / scale_;
-  for (auto& table : exactTable_)
-    table.assign(256, 0.0);
-  for (auto& table : exactAxial_)
-    table.assign(turns_ ? 256 : 0, 0.0);
-  full_.assign(256, false);
   for (std::size_t id = 0; id < problem_.laws.size(); ++id)
   {
     const ElasticLaw<D>& law = problem_.laws[id];
-    const bool plain = law.isotropic(lambda, mu);
-    if (isotropic_)
-    {
-      exactTable_[0][id] = factor * lambda;
-      exactTable_[1][id] = factor * mu;
-    }
-    else
-      for (std::size_t k = 0; k < law.stiffness.size(); ++k)
-        exactTable_[k][id] = factor * law.stiffness[k];
-    for (std::size_t k = 0; k < axialSize && turns_; ++k)
-      if (law.turns() || (plain && k < 2))
-        exactAxial_[k][id] = factor * (law.turns() ? law.axial[k] : k == 0 ? lambda : mu);
-    full_[id] = turns_ && !law.turns() && !plain;
+    full_[id] = turns_ && !law.turns() && !law.isotropic(lambda, mu);
+    rigid_[id] = law.rigid;
   }
-  for (std::size_t k = 0; k < table_.size(); ++k)
-    table_[k].assign(exactTable_[k].begin(), exactTable_[k].end());
-  for (std::size_t k = 0; k < axialSize; ++k)
-    axial_[k].assign(exactAxial_[k].begin(), exactAxial_[k].end());
-  if (!turns_)
-    return;
+  exact64_ = tablesOf(problem_.laws);
+  single_.take(exact64_);
+  if (std::ranges::any_of(rigid_, [](bool r) { return r; }))
+  {
+    std::vector<ElasticLaw<D>> laws = problem_.laws;
+    for (ElasticLaw<D>& law : laws)
+      if (law.rigid)
+        law = ElasticLaw<D>::ofLame(0.5 * standIn * scale_, 0.5 * standIn * scale_);
+    standIn_.take(tablesOf(laws));
+  }
+  if (turns_)
+    requireAxes();
+}
+
+template <int D>
+void ElasticSystem<D>::requireAxes() const
+{
   std::int64_t lost = 0;
   for (std::size_t i = 0; i < problem_.phase.size(); ++i)
     if (problem_.laws[problem_.phase[i]].turns())
@@ -193,9 +239,9 @@ double ElasticSystem<D>::largestEigenvalue(std::array<double, D> widths) const
   // λ is 2 μ: between these a matrix over its trace is quasi-convex.
   std::vector<std::array<double, stiffnessSize(D)>> stiffness;
   for (std::size_t id = 0; id < problem_.laws.size(); ++id)
-    if (!problem_.laws[id].isVoid())
-      for (std::size_t k = 0; k < table_.size(); ++k)
-        (k == 0 ? stiffness.emplace_back() : stiffness.back())[k] = exactTable_[k][id];
+    if (!problem_.laws[id].isVoid() && !rigid_[id])
+      for (std::size_t k = 0; k < exact64_.stiffness.size(); ++k)
+        (k == 0 ? stiffness.emplace_back() : stiffness.back())[k] = exact64_.stiffness[k][id];
   // whichever way an axis points
   const double factor = cornerFactor<D> * cornerFactor<D> / scale_;
   for (const ElasticLaw<D>& law : problem_.laws)
@@ -205,9 +251,8 @@ double ElasticSystem<D>::largestEigenvalue(std::array<double, D> widths) const
       const double height = D == 3 ? (2 * direction + 1.0) / directions - 1 : 0;
       const double flat = std::sqrt(1 - height * height);
       const double around = D == 3 ? 2.399963 * direction : angle; // by the golden angle
-      const auto c = turned<D>(law,
-        { static_cast<float>(flat * std::cos(around)), static_cast<float>(flat * std::sin(around)),
-          static_cast<float>(height) });
+      const auto c = law.turnedTo({ static_cast<float>(flat * std::cos(around)),
+        static_cast<float>(flat * std::sin(around)), static_cast<float>(height) });
       for (std::size_t k = 0; k < c.size(); ++k)
         (k == 0 ? stiffness.emplace_back() : stiffness.back())[k] = factor * c[k];
     }
@@ -234,7 +279,7 @@ void ElasticSystem<D>::findPieces()
   double least = std::numeric_limits<double>::infinity();
   const auto stiffnessOf = [&](std::size_t id) { return *std::ranges::max_element(problem_.laws[id].stiffness); };
   for (std::size_t id = 0; id < problem_.laws.size(); ++id)
-    if (present[id] && !problem_.laws[id].isVoid())
+    if (present[id] && !problem_.laws[id].isVoid() && !rigid_[id])
     {
       most = std::max(most, stiffnessOf(id));
       least = std::min(least, stiffnessOf(id));
@@ -252,11 +297,50 @@ void ElasticSystem<D>::findPieces()
     {
       std::array<double, stiffnessSize(D)> values{};
       for (std::size_t k = 0; k < values.size(); ++k)
-        values[k] = exactTable_[k][id];
+        values[k] = exact64_.stiffness[k][id];
       return elementMatrix(values, edges);
     });
   if (pieces_->pieces() < 2)
     pieces_.reset();
+}
+
+template <int D>
+template <class Real>
+ModuliRows<Real> ElasticSystem<D>::rowsOf(const Tables<Real>& tables) const
+{
+  const std::int64_t nx = problem_.elements[0];
+  const std::int64_t ny = D == 3 ? problem_.elements[1] : 1;
+  const int kinds = isotropic_ ? 2 : stiffnessSize(D);
+  return [this, &tables, nx, ny, kinds](std::int64_t row, std::int64_t plane, Real* const* buffer, const Real** rows)
+  {
+    const std::int64_t first = nx * (row + ny * plane);
+    const std::uint8_t* const id = problem_.phase.data() + first;
+    const ElasticKernels& kernels = elasticKernels();
+    constexpr bool isSingle = std::is_same_v<Real, float>;
+    std::copy_n(buffer, kinds, rows);
+    if constexpr (isSingle)
+      if (isotropic_)
+      {
+        kernels.lookUp(nx, id, tables.stiffness[0].data(), tables.stiffness[1].data(), buffer[0], buffer[1]);
+        return;
+      }
+    // of laws that turn; then of tensors that do not
+    if (turns_)
+    {
+      const float* const axis = problem_.axis[static_cast<std::size_t>(first)].data();
+      std::array<const Real*, axialSize> moduli{};
+      for (std::size_t k = 0; k < moduli.size(); ++k)
+        moduli[k] = tables.axial[k].data();
+      if constexpr (isSingle)
+        (D == 2 ? kernels.turnPlane : kernels.turnSpace)(nx, id, moduli.data(), axis, buffer);
+      else
+        (D == 2 ? kernels.turnPlaneDouble : kernels.turnSpaceDouble)(nx, id, moduli.data(), axis, buffer);
+    }
+    for (std::int64_t i = 0; i < nx; ++i)
+      if (!turns_ || full_[id[i]])
+        for (int k = 0; k < kinds; ++k)
+          buffer[k][i] = tables.stiffness[static_cast<std::size_t>(k)][id[i]];
+  };
 }
 
 template <int D>
@@ -274,62 +358,19 @@ ElasticSystem<D>::ElasticSystem(const ElasticProblem<D>& problem, const ElasticO
     for (std::size_t a = 0; a < D; ++a)
       grid.width[a].assign(
         static_cast<std::size_t>(grid.elements[a]), static_cast<float>(problem.aspect[a] == 0 ? 1 : problem.aspect[a]));
-  const std::int64_t nx = grid.elements[0];
-  const std::int64_t ny = grid.elementRows();
-  const auto ids = [this, nx, ny](std::int64_t row, std::int64_t plane)
-  { return problem_.phase.data() + nx * (row + ny * plane); };
-  const int kinds = isotropic_ ? 2 : stiffnessSize(D);
-  const auto copied = [nx, kinds](const std::uint8_t* id, const auto& table, auto* const* buffer)
+  op_ = std::make_unique<ElasticOperator<D>>(
+    grid, isotropic_, rowsOf<float>(single_), rowsOf<double>(exact64_), problem.threads);
+  const bool constrained = !standIn_.stiffness[0].empty();
+  if (constrained)
   {
-    for (int k = 0; k < kinds; ++k)
-      for (std::int64_t i = 0; i < nx; ++i)
-        buffer[k][i] = table[static_cast<std::size_t>(k)][id[i]];
-  };
-  // of laws that turn; then of tensors that do not
-  const auto turn = [this, nx, ny](
-                      std::int64_t row, std::int64_t plane, const auto& axial, const auto& table, auto* const* out)
-  {
-    using Real = std::remove_reference_t<decltype(**out)>;
-    const std::int64_t first = nx * (row + ny * plane);
-    const std::uint8_t* const id = problem_.phase.data() + first;
-    const float* const axis = problem_.axis[static_cast<std::size_t>(first)].data();
-    std::array<const Real*, axialSize> moduli{};
-    for (std::size_t k = 0; k < moduli.size(); ++k)
-      moduli[k] = axial[k].data();
-    const ElasticKernels& kernels = elasticKernels();
-    if constexpr (std::is_same_v<Real, float>)
-      (D == 2 ? kernels.turnPlane : kernels.turnSpace)(nx, id, moduli.data(), axis, out);
-    else
-      (D == 2 ? kernels.turnPlaneDouble : kernels.turnSpaceDouble)(nx, id, moduli.data(), axis, out);
-    for (std::int64_t i = 0; i < nx; ++i)
-      for (std::size_t k = 0; k < table.size() && full_[id[i]]; ++k)
-        out[k][i] = table[k][id[i]];
-  };
-  const ModuliRows<float> single = [this, nx, kinds, ids, copied, turn](
-                                     std::int64_t row, std::int64_t plane, float* const* buffer, const float** rows)
-  {
-    if (isotropic_)
-      elasticKernels().lookUp(nx, ids(row, plane), table_[0].data(), table_[1].data(), buffer[0], buffer[1]);
-    else if (turns_)
-      turn(row, plane, axial_, table_, buffer);
-    else
-      copied(ids(row, plane), table_, buffer);
-    std::copy_n(buffer, kinds, rows);
-  };
-  const ModuliRows<double> exact = [this, kinds, ids, copied, turn](
-                                     std::int64_t row, std::int64_t plane, double* const* buffer, const double** rows)
-  {
-    if (turns_)
-      turn(row, plane, exactAxial_, exactTable_, buffer);
-    else
-      copied(ids(row, plane), exactTable_, buffer);
-    std::copy_n(buffer, kinds, rows);
-  };
-  op_ = std::make_unique<ElasticOperator<D>>(grid, isotropic_, single, exact, problem.threads);
+    bodies_ = std::make_unique<RigidPieces<D>>(grid, problem_.phase, rigid_);
+    stiffOp_ =
+      std::make_unique<ElasticOperator<D>>(grid, isotropic_, rowsOf<float>(standIn_), nullptr, problem.threads);
+  }
   multigrid_ = std::make_unique<ElasticMultigrid<D>>(
-    *op_, [this](std::array<double, D> widths) { return largestEigenvalue(widths); }, options.multigrid);
-  if (!std::getenv("NOPIECES"))
-    findPieces();
+    constrained ? *stiffOp_ : *op_, [this](std::array<double, D> widths) { return largestEigenvalue(widths); },
+    options.multigrid);
+  findPieces();
   const std::size_t n = grid.values();
   if (options_.fields)
     exact_.assign(n, 0.0);
@@ -344,7 +385,8 @@ template <int D>
 std::size_t ElasticSystem<D>::bytes() const noexcept
 {
   return sizeof(float) * (x_.size() + r_.size() + p_.size() + z_.size() + 2 * exact_.size()) + problem_.phase.size() +
-    op_->bytes() + multigrid_->bytes() + (pieces_ ? pieces_->bytes() : 0);
+    sizeof(problem_.axis[0]) * problem_.axis.size() + op_->bytes() + (stiffOp_ ? stiffOp_->bytes() : 0) +
+    multigrid_->bytes() + (pieces_ ? pieces_->bytes() : 0) + (bodies_ ? bodies_->bytes() : 0);
 }
 
 template <int D>
@@ -361,7 +403,7 @@ std::array<double, voigtSize(D) * voigtSize(D)> ElasticSystem<D>::voigtBound() c
       ++counts[problem_.phase[i]];
     else
     {
-      const auto c = turned<D>(law, problem_.axis[i]);
+      const auto c = law.turnedTo(problem_.axis[i]);
       for (std::size_t k = 0; k < c.size(); ++k)
         mean[k] += each * c[k];
     }
@@ -378,25 +420,126 @@ std::array<double, voigtSize(D) * voigtSize(D)> ElasticSystem<D>::voigtBound() c
 
 template <int D>
 std::function<void(std::int64_t, std::int64_t, double* const*)> ElasticSystem<D>::eigenstress(
-  std::span<const std::array<double, voigtSize(D)>> strains) const
+  std::span<const FreeStrain<D>> strains, std::span<const float> times) const
 {
   constexpr int n = voigtSize(D);
-  std::vector<std::array<double, n>> stress(256);
-  for (std::size_t id = 0; id < std::min(strains.size(), problem_.laws.size()); ++id)
+  using Vector = Eigen::Matrix<double, n, 1>;
+  using Matrix = Eigen::Matrix<double, n, n>;
+  const auto matrix = [](const std::array<double, stiffnessSize(D)>& values)
+  {
+    Matrix c;
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < n; ++j)
-        stress[id][static_cast<std::size_t>(i)] -=
-          problem_.laws[id].stiffness[static_cast<std::size_t>(triangle(n, i, j))] *
-          strains[id][static_cast<std::size_t>(j)] / scale_;
+        c(i, j) = values[static_cast<std::size_t>(triangle(n, i, j))];
+    return c;
+  };
+  std::vector<FreeStrain<D>> free(strains.begin(), strains.end());
+  free.resize(256);
+  std::vector<Vector> stress(256, Vector::Zero());
+  for (std::size_t id = 0; id < problem_.laws.size(); ++id)
+    stress[id] = -1 / scale_ * (matrix(problem_.laws[id].stiffness) * Eigen::Map<const Vector>(free[id].strain.data()));
   const std::int64_t nx = op_->grid().elements[0];
   const std::int64_t ny = op_->grid().elementRows();
-  return [this, stress, nx, ny](std::int64_t row, std::int64_t plane, double* const* out)
+  return [this, stress, free, matrix, times, nx, ny](std::int64_t row, std::int64_t plane, double* const* out)
   {
-    const std::uint8_t* const id = problem_.phase.data() + nx * (row + ny * plane);
-    for (std::size_t k = 0; k < n; ++k)
-      for (std::int64_t i = 0; i < nx; ++i)
-        out[k][i] = stress[id[i]][k];
+    const std::int64_t first = nx * (row + ny * plane);
+    for (std::int64_t i = 0; i < nx; ++i)
+    {
+      const auto at = static_cast<std::size_t>(first + i);
+      const std::uint8_t id = problem_.phase[at];
+      const ElasticLaw<D>& law = problem_.laws[id];
+      Vector s = stress[id];
+      if (law.turns())
+      {
+        Eigen::Matrix<double, D, 1> axis;
+        for (std::size_t a = 0; a < D; ++a)
+          axis(static_cast<Eigen::Index>(a)) = static_cast<double>(problem_.axis[at][a]);
+        axis.normalize();
+        Vector strain;
+        for (int a = 0; a < D; ++a)
+          for (int b = a; b < D; ++b)
+          {
+            const double part = (free[id].along - free[id].across) * axis(a) * axis(b);
+            strain(voigt(D, a, b)) = a == b ? free[id].across + part : 2 * part;
+          }
+        s = -1 / scale_ * (matrix(law.turnedTo(problem_.axis[at])) * strain);
+      }
+      const double factor = times.empty() ? 1.0 : static_cast<double>(times[at]);
+      for (int k = 0; k < n; ++k)
+        out[k][i] = factor * s(k);
+    }
   };
+}
+
+template <int D>
+std::function<void(std::int64_t, std::int64_t, double* const*)> ElasticSystem<D>::traction(
+  const std::array<double, voigtSize(D)>& stress) const
+{
+  const std::int64_t nx = op_->grid().elements[0];
+  return [stress, nx, scale = scale_](std::int64_t, std::int64_t, double* const* out)
+  {
+    for (std::size_t k = 0; k < stress.size(); ++k)
+      std::fill_n(out[k], nx, -stress[k] / scale);
+  };
+}
+
+template <int D>
+void ElasticSystem<D>::forFields(const ElasticLoad<D>& load, const FieldRow& f) const
+{
+  constexpr int n = voigtSize(D);
+  const ElasticGrid<D>& g = op_->grid();
+  const std::int64_t nx = g.elements[0];
+  op_->template forStresses<double>(exact_.data(), &load,
+    [&](std::int64_t j, std::int64_t k, const double* const* stress, const double* const* strain, double)
+    {
+      std::vector<double> store(static_cast<std::size_t>((D + n) * nx), 0.0);
+      std::array<double*, D> displacement{};
+      std::array<double*, n> pascal{};
+      for (int c = 0; c < D; ++c)
+      {
+        displacement[static_cast<std::size_t>(c)] = store.data() + c * nx;
+        for (int side = 0; side < 1 << (D - 1); ++side)
+        {
+          const std::int64_t row = D == 3 ? (j + (side & 1)) % g.rows() : 0;
+          const std::int64_t plane = (k + (D == 3 ? side >> 1 : side)) % g.planes();
+          const double* const u = exact_.data() + c * g.componentStride() + g.at(row, plane);
+          for (std::int64_t i = 0; i < nx; ++i)
+            displacement[static_cast<std::size_t>(c)][i] += cornerFactor<D> / 2 * (u[i] + u[i + 1]);
+        }
+      }
+      for (int v = 0; v < n; ++v)
+      {
+        pascal[static_cast<std::size_t>(v)] = store.data() + (D + v) * nx;
+        for (std::int64_t i = 0; i < nx; ++i)
+          pascal[static_cast<std::size_t>(v)][i] = scale_ * stress[v][i];
+      }
+      f(j, k, displacement.data(), strain, pascal.data());
+    });
+}
+
+template <int D>
+double ElasticSystem<D>::startEnergy(const ElasticLoad<D>& load) const
+{
+  constexpr std::size_t m = voigtSize(D);
+  const ElasticGrid<D>& g = op_->grid();
+  const auto voxels = static_cast<double>(g.elements[0] * g.elementRows() * g.elementPlanes());
+  if (!bodies_)
+  {
+    double whole = 0;
+    const auto bound = voigtBound();
+    for (std::size_t a = 0; a < m; ++a)
+      for (std::size_t b = 0; b < m; ++b)
+        whole += voxels / scale_ * bound[a * m + b] * load.strain[a] * load.strain[b];
+    return whole;
+  }
+  std::vector<double> rows(static_cast<std::size_t>(g.elementRows() * g.elementPlanes()));
+  const auto take = [&](std::int64_t j, std::int64_t k, const double* const*, const double* const*, double energy)
+  { rows[static_cast<std::size_t>(j + g.elementRows() * k)] = energy; };
+  if (options_.fields)
+    op_->template forStresses<double>(exact_.data(), &load, take);
+  else
+    op_->template forStresses<float>(x_.data(), &load, take);
+  return std::accumulate(rows.begin(), rows.end(), 0.0);
 }
 
 namespace
@@ -445,13 +588,36 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       op_->template sweep<double>(exact_.data(), &load, false, set);
     else
       op_->template sweep<float>(x_.data(), &load, false, set);
-    return total();
   };
   std::ranges::fill(x_, 0.0F);
   std::ranges::fill(exact_, 0.0);
   std::ranges::fill(p_, 0.0F);
+  if (bodies_)
+    options_.fields ? bodies_->start(load.strain, threads, exact_.data())
+                    : bodies_->start(load.strain, threads, x_.data());
+  const auto forPlanes = [&](auto&& f)
+  {
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+    for (std::int64_t k = 0; k < g.planes(); ++k)
+    {
+      double sum = 0;
+      for (int c = 0; c < D; ++c)
+        for (std::int64_t j = 0; j < g.rows(); ++j)
+          sum += f(c * component + g.at(j, k));
+      parts[static_cast<std::size_t>(k)] = sum;
+    }
+    return total();
+  };
+  const auto freshResidual = [&]
+  {
+    residual();
+    if (!bodies_)
+      return total();
+    bodies_->project(r_.data(), threads);
+    return forPlanes([&](std::int64_t at) { return kernels.dot(own, r_.data() + at, r_.data() + at); });
+  };
   ElasticResult<D> result;
-  double rr = residual();
+  double rr = freshResidual();
   const double first = rr;
   // what rounding leaves of the load's forces
   double given = 0;
@@ -470,31 +636,10 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
     cornerFactor<D> * (given + std::inner_product(load.strain.begin(), load.strain.end(), load.strain.begin(), 0.0));
   // energies in units of the kernels, summed over voxels
   const auto voxels = static_cast<double>(g.elements[0] * g.elementRows() * g.elementPlanes());
-  double whole = 0;
-  if (!load.initial)
-  {
-    const auto bound = voigtBound();
-    constexpr std::size_t m = voigtSize(D);
-    for (std::size_t a = 0; a < m; ++a)
-      for (std::size_t b = 0; b < m; ++b)
-        whole += voxels / scale_ * bound[a * m + b] * load.strain[a] * load.strain[b];
-  }
+  const double whole = load.initial ? 0.0 : startEnergy(load);
   std::array<double, delay> falls{};
   double fallen = 0;
   bool converged = !(rr > floor);
-  const auto forPlanes = [&](auto&& f)
-  {
-#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
-    for (std::int64_t k = 0; k < g.planes(); ++k)
-    {
-      double sum = 0;
-      for (int c = 0; c < D; ++c)
-        for (std::int64_t j = 0; j < g.rows(); ++j)
-          sum += f(c * component + g.at(j, k));
-      parts[static_cast<std::size_t>(k)] = sum;
-    }
-    return total();
-  };
   // r·z, and the means of z's components that are free to shift; r·z is that without them.
   std::vector<std::array<double, 3 * D>> layers(planes);
   const auto preconditioned = [&](std::array<double, D>& shift)
@@ -560,6 +705,8 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       multigrid_->cycle(r_.data(), z_.data());
       if (pieces_)
         pieces_->add(r_.data(), z_.data(), threads);
+      if (bodies_)
+        bodies_->project(z_.data(), threads);
       // Translations that nothing holds are taken off: once the residual is near rounding they would grow.
       std::array<double, D> shift{};
       const double rz = preconditioned(shift);
@@ -589,6 +736,8 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       if (!(pq > 0))
         break;
       const double alpha = rz / pq;
+      if (bodies_)
+        bodies_->project(z_.data(), threads);
       rr = step(alpha);
       if (!std::isfinite(rr))
         fail(result, options_.maxIterations);
@@ -604,20 +753,23 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
     }
     if (!options_.fields || converged)
       break;
-    rr = residual();
+    rr = freshResidual();
     converged = rr <= floor || !(rr < leastProgress * start); // as far as it goes
   }
   result.residual = first > 0 ? std::sqrt(rr / first) : 0.0;
 
   constexpr std::size_t n = voigtSize(D);
-  std::vector<std::array<double, n + 1>> rows(static_cast<std::size_t>(g.elementRows() * g.elementPlanes()));
-  const auto sum = [&](
-                     std::int64_t row, std::int64_t k, const double* const* stress, const double* const*, double energy)
+  std::vector<std::array<double, 2 * n + 1>> rows(static_cast<std::size_t>(g.elementRows() * g.elementPlanes()));
+  const auto sum =
+    [&](std::int64_t row, std::int64_t k, const double* const* stress, const double* const* strain, double energy)
   {
     auto& part = rows[static_cast<std::size_t>(row + g.elementRows() * k)];
     for (std::size_t v = 0; v < n; ++v)
+    {
       part[v] = std::accumulate(stress[v], stress[v] + g.elements[0], 0.0);
-    part[n] = energy;
+      part[n + v] = std::accumulate(strain[v], strain[v] + g.elements[0], 0.0);
+    }
+    part[2 * n] = energy;
   };
   if (options_.fields)
     op_->template forStresses<double>(exact_.data(), &load, sum);
@@ -626,8 +778,25 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   for (const auto& part : rows)
   {
     for (std::size_t v = 0; v < n; ++v)
+    {
       result.stress[v] += scale_ * part[v] / voxels;
-    result.energy += scale_ * part[n] / voxels;
+      result.strain[v] += part[n + v] / voxels;
+    }
+    result.energy += scale_ * part[2 * n] / voxels;
+  }
+  if (bodies_) // their stress is what holds them
+  {
+    residual();
+    forPlanes(
+      [&](std::int64_t at)
+      {
+        for (std::int64_t i = 0; i < g.rowLength(); ++i)
+          r_[static_cast<std::size_t>(at + i)] *= -1;
+        return 0.0;
+      });
+    const auto held = bodies_->stress(r_.data());
+    for (std::size_t v = 0; v < n; ++v)
+      result.stress[v] += scale_ / voxels * held[v];
   }
   return result;
 }

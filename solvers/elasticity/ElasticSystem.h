@@ -1,6 +1,7 @@
 #pragma once
 
 #include "elasticity/ElasticMultigrid.h"
+#include "elasticity/RigidPieces.h"
 #include "elasticity/StiffPieces.h"
 
 #include <array>
@@ -20,6 +21,7 @@ struct ElasticLaw
   std::array<double, stiffnessSize(D)> stiffness{};
   /// Moduli as axialSize tells [Pa], of a material whose axis is each voxel's own; all 0: `stiffness` holds as it is.
   std::array<double, axialSize> axial{};
+  bool rigid = false; ///< each of its pieces moves as a body; `stiffness` is 0
 
   [[nodiscard]] bool turns() const
   {
@@ -28,12 +30,17 @@ struct ElasticLaw
   }
   [[nodiscard]] bool isVoid() const
   {
-    return std::ranges::all_of(
-      stiffness, [](double c) { return c == 0; });
+    return !rigid &&
+      std::ranges::all_of(
+        stiffness, [](double c) { return c == 0; });
   }
   /// λ and μ where it is isotropic to round-off.
   [[nodiscard]] bool isotropic(double& lambda, double& mu) const;
   [[nodiscard]] static ElasticLaw ofLame(double lambda, double mu);
+  /// Of a law that turns: its stiffness with that axis.
+  [[nodiscard]] std::array<double, stiffnessSize(D)> turnedTo(const std::array<float, 3>& axis) const;
+  /// Of a law that turns: moduli of its compliance as a tensor, in `axial`.
+  [[nodiscard]] ElasticLaw inverse() const;
 };
 
 template <int D>
@@ -60,10 +67,20 @@ struct ElasticOptions
   std::function<bool(int iteration, double error)> progress;
 };
 
+/// Strain that a phase takes when nothing holds it, of a unit of temperature or moisture.
+template <int D>
+struct FreeStrain
+{
+  std::array<double, voigtSize(D)> strain{}; ///< Voigt's order, shears as angles
+  /// Of a phase that turns: along its axis and across it.
+  double along = 0, across = 0;
+};
+
 template <int D>
 struct ElasticResult
 {
   std::array<double, voigtSize(D)> stress{}; ///< mean over the box [Pa]
+  std::array<double, voigtSize(D)> strain{}; ///< mean over the voxels: the load's where sides repeat or are held
   double energy = 0;                         ///< mean of σ : ε [Pa]
   double solverError = 0;                    ///< of the energy, relative, estimated
   double residual = 0;                       ///< relative to that of no displacements
@@ -87,13 +104,21 @@ public:
   [[nodiscard]] ElasticResult<D> solve(const ElasticLoad<D>& load);
   /// Stresses −C : ε of strains that phases would take if nothing held them (swelling, expansion), one a phase id, for
   /// ElasticLoad::initial.
+  /// @param times by voxel, of what they are multiplied by; empty: 1. Read while a solve goes on.
   [[nodiscard]] std::function<void(std::int64_t, std::int64_t, double* const*)> eigenstress(
-    std::span<const std::array<double, voigtSize(D)>> strains) const;
-  /// Displacements, what the mean strain does left out, of the last solve [edges of a voxel along x]: one component of
-  /// one row of nodes after the other, as ElasticGrid has them. With `fields` only.
-  [[nodiscard]] std::span<const double> displacements() const noexcept { return exact_; }
+    std::span<const FreeStrain<D>> strains, std::span<const float> times = {}) const;
+  /// −stress everywhere, for ElasticLoad::initial: where no side is held or repeats, faces are pulled by that stress.
+  [[nodiscard]] std::function<void(std::int64_t, std::int64_t, double* const*)> traction(
+    const std::array<double, voigtSize(D)>& stress) const;
+  /// Of a row of voxels, by its thread: displacement of centres, what the mean strain does left out [edges of a voxel
+  /// along x], mean strains of voxels and mean stresses [Pa] by Voigt's order; 0 in rigid voxels.
+  using FieldRow = std::function<void(std::int64_t row, std::int64_t plane, const double* const* displacement,
+    const double* const* strain, const double* const* stress)>;
+  /// Of the last solve, whose load this was. With `fields` only.
+  void forFields(const ElasticLoad<D>& load, const FieldRow& f) const;
   /// Mean stiffness of the voxels, by rows [Pa]: all of them follow the mean strain.
   [[nodiscard]] std::array<double, voigtSize(D) * voigtSize(D)> voigtBound() const;
+  [[nodiscard]] double scale() const noexcept { return scale_; } ///< the largest modulus [Pa]
   [[nodiscard]] std::size_t bytes() const noexcept;
   [[nodiscard]] std::size_t levels() const noexcept { return multigrid_->levels(); }
   [[nodiscard]] const ElasticOperator<D>& op() const noexcept { return *op_; }
@@ -104,20 +129,43 @@ private:
   /// Of an element of these moduli, in the kernels' unit.
   [[nodiscard]] ElementMatrix elementMatrix(
     const std::array<double, stiffnessSize(D)>& values, const std::array<double, D>& widths) const;
+  template <class Real>
+  struct Tables
+  {
+    std::array<std::vector<Real>, stiffnessSize(D)> stiffness; ///< by phase id
+    std::array<std::vector<Real>, axialSize> axial;            ///< by phase id, where some law turns
+
+    template <class From>
+    void take(const Tables<From>& from)
+    {
+      for (std::size_t k = 0; k < stiffness.size(); ++k)
+        stiffness[k].assign(from.stiffness[k].begin(), from.stiffness[k].end());
+      for (std::size_t k = 0; k < axialSize; ++k)
+        axial[k].assign(from.axial[k].begin(), from.axial[k].end());
+    }
+  };
   void setLaws();
+  [[nodiscard]] Tables<double> tablesOf(const std::vector<ElasticLaw<D>>& laws) const;
+  void requireAxes() const;
+  template <class Real>
+  [[nodiscard]] ModuliRows<Real> rowsOf(const Tables<Real>& tables) const;
   void findPieces();
+  /// Energy of the mean strain and the displacements there are, in units of the kernels, summed over voxels.
+  [[nodiscard]] double startEnergy(const ElasticLoad<D>& load) const;
 
   ElasticProblem<D> problem_;
   ElasticOptions options_;
   double scale_ = 1; ///< the largest modulus [Pa]
   bool isotropic_ = true;
   bool turns_ = false;
-  std::array<std::vector<float>, axialSize> axial_; ///< by phase id, where some law turns
-  std::array<std::vector<double>, axialSize> exactAxial_;
-  std::vector<bool> full_;                                 ///< by phase id: a tensor of its own among laws that turn
-  std::array<std::vector<float>, stiffnessSize(D)> table_; ///< by phase id
-  std::array<std::vector<double>, stiffnessSize(D)> exactTable_;
+  std::vector<bool> rigid_; ///< by phase id
+  std::vector<bool> full_;  ///< by phase id: a tensor of its own among laws that turn
+  Tables<float> single_;
+  Tables<double> exact64_;
+  Tables<float> standIn_; ///< rigid phases stiff instead, for what multigrid works with
   std::unique_ptr<ElasticOperator<D>> op_;
+  std::unique_ptr<ElasticOperator<D>> stiffOp_; ///< where phases are rigid
+  std::unique_ptr<RigidPieces<D>> bodies_;      ///< likewise
   std::unique_ptr<ElasticMultigrid<D>> multigrid_;
   std::unique_ptr<StiffPieces<D>> pieces_; ///< where there are some
   std::vector<float> x_, r_, p_, z_;       ///< z: preconditioned residual, then the product with the direction

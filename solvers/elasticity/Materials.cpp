@@ -125,12 +125,11 @@ PhaseStiffness transverseStiffness(
   return inPlane(continuum, triangleOf(bond * matrixOf(straight, 6) * bond.transpose()));
 }
 
-std::array<double, 5> axialModuli(Continuum continuum, const TransverseMaterial& material)
+std::array<double, 5> axialParts(int dimension, const PhaseStiffness& c)
 {
-  const PhaseStiffness c = transverseStiffness(continuum, material, { 1, 0, 0 });
-  const int n = voigtSize(dimensionOf(continuum));
+  const int n = voigtSize(dimension);
   const auto at = [&](int i, int j) { return c[static_cast<std::size_t>(triangle(n, i, j))]; };
-  if (continuum != Continuum::Space)
+  if (dimension == 2)
   {
     const double mu = at(2, 2);
     const double lambda = at(1, 1) - 2 * mu;
@@ -142,6 +141,21 @@ std::array<double, 5> axialModuli(Continuum continuum, const TransverseMaterial&
   const double alpha = at(0, 1) - lambda;
   const double gamma = at(5, 5) - mu;
   return { lambda, mu, alpha, at(0, 0) - lambda - 2 * mu - 2 * alpha - 4 * gamma, gamma };
+}
+
+std::array<double, 5> axialModuli(Continuum continuum, const TransverseMaterial& material)
+{
+  return axialParts(dimensionOf(continuum), transverseStiffness(continuum, material, { 1, 0, 0 }));
+}
+
+std::array<double, 2> planeExpansion(
+  Continuum continuum, const TransverseMaterial& m, const std::array<double, 2>& expansion)
+{
+  const auto [along, across] = expansion;
+  if (continuum != Continuum::PlaneStrain)
+    return expansion;
+  // the third direction, across the axis, would expand as well, and is not let
+  return { along + m.poissonAlong * m.youngAcross / m.youngAlong * across, (1 + m.poissonAcross) * across };
 }
 
 } // namespace lamella::elasticity

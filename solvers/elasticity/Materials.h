@@ -51,6 +51,14 @@ struct TransverseMaterial
 /// @throws ParameterError as transverseStiffness()
 [[nodiscard]] std::array<double, 5> axialModuli(Continuum continuum, const TransverseMaterial& material);
 
+/// The same of a tensor with its axis along x, upper triangle in Voigt's order.
+[[nodiscard]] std::array<double, 5> axialParts(int dimension, const PhaseStiffness& alongX);
+
+/// Expansion in the plane, along the axis and across it, of a material whose expansion this is: in plane strain more of
+/// it, since the third direction is not let. Of an isotropic material all moduli and ratios are the same.
+[[nodiscard]] std::array<double, 2> planeExpansion(
+  Continuum continuum, const TransverseMaterial& material, const std::array<double, 2>& expansion);
+
 /// @param space 21 numbers: what a plane of that material has in plane stress or plane strain
 [[nodiscard]] PhaseStiffness inPlane(Continuum continuum, const PhaseStiffness& space);
 

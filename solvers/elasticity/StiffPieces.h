@@ -1,6 +1,6 @@
 #pragma once
 
-#include "elasticity/ElasticOperator.h"
+#include "elasticity/PieceMotions.h"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -18,14 +18,12 @@ namespace lamella::elasticity
 /// rigid motions, which coarse elements that hold several pieces do not know. What it corrects is added to what
 /// multigrid corrects: deflation by rigid bodies as Jönsthövel, van Gijzen, Vuik, Kasbergen & Scarpas, Comput. Mech. 49
 /// (2012) 757, but additive.
-///
-/// Memory: 4 bytes a node.
 template <int D>
 class StiffPieces
 {
 public:
   static constexpr int corners = 1 << D;
-  static constexpr int motions = D == 3 ? 6 : 3;
+  static constexpr int motions = PieceMotions<D>::motions;
   using ElementMatrix = Eigen::Matrix<double, D * corners, D * corners>; ///< component by component, corners as bits
 
   /// @param stiff   by phase id
@@ -33,30 +31,19 @@ public:
   StiffPieces(const ElasticGrid<D>& grid, std::span<const std::uint8_t> phase, const std::vector<bool>& stiff,
     const std::function<ElementMatrix(std::uint8_t id)>& element);
 
-  [[nodiscard]] std::int64_t pieces() const noexcept { return static_cast<std::int64_t>(pieces_.size()); }
+  [[nodiscard]] std::size_t pieces() const noexcept { return motion_.pieces().size(); }
   /// z += Z (Zᵀ A Z)⁻¹ Zᵀ r.
   void add(const float* r, float* z, int threads) const;
-  [[nodiscard]] std::size_t bytes() const noexcept { return owner_.size() * sizeof(owner_[0]); }
+  [[nodiscard]] std::size_t bytes() const noexcept { return motion_.bytes(); }
 
 private:
-  struct Piece
-  {
-    std::array<double, 3> centre{};
-    std::int64_t first = 0; ///< unknown
-    int motions = D;        ///< translations alone where it meets itself again, or reaches through half of the box
-  };
-  using Basis = Eigen::Matrix<double, D, motions>;
-
-  void findOwners(std::span<const std::uint8_t> phase, const std::vector<bool>& stiff);
   void assemble(std::span<const std::uint8_t> phase, const std::function<ElementMatrix(std::uint8_t)>& element);
-  /// Displacements of a place by a piece's motions.
-  [[nodiscard]] Basis basis(const Piece& piece, const std::array<double, 3>& place) const;
-  [[nodiscard]] std::int64_t node(std::int64_t x, std::int64_t y, std::int64_t z) const;
+  /// How many motions of a piece are used: shifts alone where it meets itself again.
+  [[nodiscard]] int motionsOf(std::size_t piece) const { return motion_.pieces()[piece].endless ? D : motions; }
 
   ElasticGrid<D> grid_;
-  std::array<double, 3> period_{};  ///< 0: none
-  std::vector<std::int32_t> owner_; ///< by node of its own, x fastest: number of its piece, −1: none
-  std::vector<Piece> pieces_;
+  PieceMotions<D> motion_;
+  std::vector<std::int64_t> first_; ///< unknown of each piece; last: how many there are
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> factor_;
 };
 

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -92,17 +93,30 @@ class Study
 public:
   static constexpr int n = voigtSize(D);
 
-  Study(const Lattice& lattice, std::span<const std::uint8_t> phase, const std::vector<PhaseStiffness>& stiffness,
-    const VoxelStiffnessOptions& options)
+  Study(const Lattice& lattice, std::span<const std::uint8_t> phase, const std::vector<VoxelMaterial>& materials,
+    std::span<const std::array<float, 3>> axis, const VoxelStiffnessOptions& options)
     : lattice_(lattice)
     , phase_(phase)
+    , axis_(axis)
     , options_(options)
   {
-    for (const PhaseStiffness& values : stiffness)
+    for (const VoxelMaterial& material : materials)
     {
       ElasticLaw<D>& law = laws_.emplace_back();
-      std::copy(values.begin(), values.end(), law.stiffness.begin());
-      isVoid_.push_back(law.isVoid());
+      law.rigid = material.rigid;
+      law.axial = material.axial;
+      if (!law.rigid && !law.turns() && material.stiffness.size() == law.stiffness.size())
+        std::copy(material.stiffness.begin(), material.stiffness.end(), law.stiffness.begin());
+      isVoid_.push_back(law.isVoid() && !law.turns());
+      FreeStrain<D>& free = free_.emplace_back();
+      expands_ = expands_ || std::ranges::any_of(material.expansion, [](double e) { return e != 0; });
+      if (law.turns() && material.expansion.size() == 2)
+      {
+        free.along = material.expansion[0];
+        free.across = material.expansion[1];
+      }
+      else if (material.expansion.size() == n)
+        std::copy(material.expansion.begin(), material.expansion.end(), free.strain.begin());
     }
     const auto any = std::find(isVoid_.begin(), isVoid_.end(), true);
     voidId_ = static_cast<std::uint8_t>(any - isVoid_.begin());
@@ -117,18 +131,29 @@ public:
   {
     VoxelStiffness r;
     const auto own = static_cast<double>(lattice_.count());
-    const double ahead = options_.estimateError ? foreseen() : 0.0;
-    const Solved cell = solve(lattice_, phase_, 0, own, own + ahead);
-    if (cell.step.stiffness.empty())
-      throw NoPathError("the solid leads across the box along no axis", "take another window, or make it less porous");
-    take(r, cell);
-    warn(r, cell.solid);
-    if (!options_.estimateError)
+    const double ahead = options_.tensor && options_.estimateError ? foreseen() : 0.0;
+    const double part = own * (options_.load ? 1.0 / n : 0.0);
+    const double all = (options_.tensor ? own : 0.0) + part + ahead;
+    const Solid solid = findSolid(lattice_, phase_, isVoid_, voidId_, options_.sides);
+    requireSides();
+    if (options_.tensor)
+    {
+      const Solved cell = solve(lattice_, phase_, axis_, solid, 0, own, all);
+      if (cell.step.stiffness.empty())
+        throw NoPathError(
+          "the solid leads across the box along no axis", "take another window, or make it less porous");
+      take(r, cell);
+      held_ = cell.held;
+    }
+    fill(r, solid);
+    if (options_.load)
+      r.loaded = solveLoad(r, solid, options_.tensor ? own : 0.0, part, all);
+    if (ahead == 0)
       return r;
     const double start = seconds();
     try
     {
-      estimate(r, own, own + ahead);
+      estimate(r, own + part, all);
     }
     catch (const Cancelled&)
     {
@@ -143,12 +168,12 @@ public:
   }
 
 private:
+  using Axes = std::span<const std::array<float, 3>>;
   struct Solved
   {
-    Solid solid;
     VoxelStiffnessStep step;
     Eigen::MatrixXd tensor;   ///< as solved
-    std::vector<double> held; ///< mean stress of the box that swells and is not let
+    std::vector<double> held; ///< mean stress of the box that expands by a unit and is not let
     std::array<double, n * n> voigt{};
     double solverError = 0;
     std::size_t levels = 0;
@@ -156,18 +181,26 @@ private:
     double bytes = 0;
   };
 
-  // Progress goes from `from` on by `length`, of `all`.
-  Solved solve(
-    const Lattice& lattice, std::span<const std::uint8_t> phase, double from, double length, double all) const
+  void requireSides() const
   {
-    const double start = seconds();
-    Solved s;
-    s.solid = findSolid(lattice, phase, isVoid_, voidId_, options_.sides);
-    s.step.nodes = lattice.count();
-    s.tensor = Eigen::MatrixXd::Zero(n, n);
-    const bool crosses = std::ranges::any_of(s.solid.crosses, [](bool c) { return c; });
-    if (!crosses && options_.sides == StiffnessSides::Periodic)
-      return s;
+    if (options_.sides != StiffnessSides::UniformStress)
+      return;
+    std::int64_t i = 0;
+    for (std::int64_t z = 0; z < lattice_.size[2]; ++z)
+      for (std::int64_t y = 0; y < lattice_.size[1]; ++y)
+        for (std::int64_t x = 0; x < lattice_.size[0]; ++x, ++i)
+        {
+          const bool outer = x == 0 || x + 1 == lattice_.size[0] || y == 0 || y + 1 == lattice_.size[1] ||
+            (D == 3 && (z == 0 || z + 1 == lattice_.size[2]));
+          if (outer && isVoid_[phase_[static_cast<std::size_t>(i)]])
+            throw ParameterError("a uniform stress pulls at all sides, and voids lie at some",
+              "take other sides, or a window whose border is solid");
+        }
+  }
+
+  [[nodiscard]] ElasticProblem<D> problemOf(
+    const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid) const
+  {
     ElasticProblem<D> problem;
     for (std::size_t a = 0; a < D; ++a)
     {
@@ -175,55 +208,106 @@ private:
       problem.aspect[a] = lattice.aspect[a] / lattice.aspect[0];
       problem.periodic[a] = options_.sides == StiffnessSides::Periodic;
     }
-    problem.phase = s.solid.kept.empty() ? phase : std::span<const std::uint8_t>(s.solid.kept);
+    problem.phase = solid.kept.empty() ? phase : std::span<const std::uint8_t>(solid.kept);
     problem.laws = laws_;
+    problem.axis = axis;
     problem.threads = options_.threads;
-    ElasticOptions o;
-    o.tolerance = options_.tolerance;
-    o.maxIterations = options_.maxIterations;
-    int load = 0;
-    o.progress = [&](int, double error)
+    return problem;
+  }
+
+  // A solver for loads, made anew where sides hold something else.
+  class Solver
+  {
+  public:
+    Solver(ElasticProblem<D> problem, ElasticOptions options)
+      : problem_(std::move(problem))
+      , options_(std::move(options))
     {
-      const double done = std::clamp(std::log(error) / std::log(options_.tolerance), 0.0, 1.0);
-      return !options_.progress || options_.progress((from + length * (load + done) / n) / all);
-    };
-    std::optional<ElasticSystem<D>> system;
-    for (; load < n; ++load)
+    }
+    ElasticSystem<D>& holding(const std::array<std::array<bool, D>, D>& held)
     {
-      if (const auto held = heldUnder(load); !system || held != problem.held)
+      if (!system_ || held != problem_.held)
       {
-        problem.held = held;
+        system_.reset();
+        problem_.held = held;
         const double begin = seconds();
-        system.emplace(problem, o);
-        s.setupSeconds += seconds() - begin;
+        system_.emplace(problem_, options_);
+        setupSeconds_ += seconds() - begin;
       }
-      ElasticLoad<D> unit;
-      unit.strain[static_cast<std::size_t>(load)] = 1;
-      const ElasticResult<D> result = system->solve(unit);
-      for (int k = 0; k < n; ++k)
-        s.tensor(k, load) = result.stress[static_cast<std::size_t>(k)];
+      return *system_;
+    }
+    [[nodiscard]] double setupSeconds() const { return setupSeconds_; }
+    [[nodiscard]] const ElasticSystem<D>& system() const { return *system_; }
+
+  private:
+    ElasticProblem<D> problem_;
+    ElasticOptions options_;
+    std::optional<ElasticSystem<D>> system_;
+    double setupSeconds_ = 0;
+  };
+
+  // Progress goes from `from` on by `length`, of `all`.
+  Solved solve(const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid, double from,
+    double length, double all) const
+  {
+    const double start = seconds();
+    Solved s;
+    s.step.nodes = lattice.count();
+    s.tensor = Eigen::MatrixXd::Zero(n, n);
+    const bool crosses = std::ranges::any_of(solid.crosses, [](bool c) { return c; });
+    if (!crosses && options_.sides == StiffnessSides::Periodic)
+      return s;
+    const int loads = between(options_.sides) ? D : n;
+    int load = 0;
+    Solver solver(problemOf(lattice, phase, axis, solid),
+      solverOptions([&](double done)
+        { return !options_.progress || options_.progress((from + length * (load + done) / loads) / all); }));
+    const auto count = [&](const ElasticResult<D>& result)
+    {
       s.step.iterations.push_back(result.iterations);
       s.solverError = std::max(s.solverError, result.solverError);
-    }
-    if (!options_.expansion.empty())
+    };
+    for (; load < loads; ++load)
     {
-      std::vector<std::array<double, n>> strains(options_.expansion.size());
-      for (std::size_t id = 0; id < strains.size(); ++id)
-        std::copy(options_.expansion[id].begin(), options_.expansion[id].end(), strains[id].begin());
-      if (const auto held = heldUnder(0); held != problem.held)
+      ElasticSystem<D>& system = solver.holding(heldUnder(load));
+      ElasticLoad<D> unit;
+      if (options_.sides == StiffnessSides::UniformStress)
       {
-        problem.held = held;
-        system.emplace(problem, o);
+        std::array<double, n> stress{};
+        stress[static_cast<std::size_t>(load)] = system.scale();
+        unit.initial = system.traction(stress);
       }
-      ElasticLoad<D> swelling;
-      swelling.initial = system->eigenstress(strains);
-      const ElasticResult<D> result = system->solve(swelling);
-      s.step.iterations.push_back(result.iterations);
-      s.held.assign(result.stress.begin(), result.stress.end());
+      else
+        unit.strain[static_cast<std::size_t>(load)] = 1;
+      const ElasticResult<D> result = system.solve(unit);
+      for (int k = 0; k < n; ++k)
+        if (options_.sides == StiffnessSides::UniformStress)
+          s.tensor(k, load) = result.strain[static_cast<std::size_t>(k)] / system.scale();
+        else if (!between(options_.sides) || k == load)
+          s.tensor(k, load) = result.stress[static_cast<std::size_t>(k)];
+      count(result);
     }
-    s.voigt = system->voigtBound();
-    s.levels = system->levels();
-    s.bytes = static_cast<double>(system->bytes() + s.solid.kept.size());
+    if (expands_ && !between(options_.sides))
+    {
+      ElasticSystem<D>& system = solver.holding(heldUnder(0));
+      ElasticLoad<D> expanding;
+      expanding.initial = system.eigenstress(free_);
+      const ElasticResult<D> result = system.solve(expanding);
+      count(result);
+      s.held.assign(result.stress.begin(), result.stress.end());
+      if (options_.sides == StiffnessSides::UniformStress) // it was let
+      {
+        const Eigen::VectorXd stress =
+          -s.tensor.completeOrthogonalDecomposition().solve(Eigen::Map<const Eigen::VectorXd>(result.strain.data(), n));
+        s.held.assign(stress.data(), stress.data() + n);
+      }
+    }
+    if (options_.sides == StiffnessSides::UniformStress)
+      s.tensor = s.tensor.inverse().eval();
+    s.voigt = solver.system().voigtBound();
+    s.levels = solver.system().levels();
+    s.bytes = static_cast<double>(solver.system().bytes() + solid.kept.size());
+    s.setupSeconds = solver.setupSeconds();
     if (options_.sides == StiffnessSides::Straight) // what mirror images make of other components is no mean of the box
       for (int k = 0; k < n; ++k)
         for (int l = 0; l < n; ++l)
@@ -233,6 +317,223 @@ private:
     const Eigen::MatrixXd even = 0.5 * (s.tensor + s.tensor.transpose());
     s.step.stiffness.assign(even.data(), even.data() + n * n);
     return s;
+  }
+
+  template <class Progress>
+  [[nodiscard]] ElasticOptions solverOptions(Progress progress) const
+  {
+    ElasticOptions o;
+    o.tolerance = options_.tolerance;
+    o.maxIterations = options_.maxIterations;
+    o.progress = [progress, tolerance = options_.tolerance](int, double error)
+    { return progress(std::clamp(std::log(error) / std::log(tolerance), 0.0, 1.0)); };
+    return o;
+  }
+
+  // The strain of a load, and its stress where faces are pulled.
+  VoxelLoaded solveLoad(const VoxelStiffness& r, const Solid& solid, double from, double length, double all) const
+  {
+    const double start = seconds();
+    const VoxelLoad& given = *options_.load;
+    ElasticOptions o =
+      solverOptions([&](double done) { return !options_.progress || options_.progress((from + length * done) / all); });
+    const bool changes = given.change != 0 && expands_;
+    std::vector<float> times(given.source.begin(), given.source.end());
+    for (float& t : times)
+      t *= static_cast<float>(given.change);
+    std::vector<FreeStrain<D>> strains = free_;
+    if (times.empty())
+      for (FreeStrain<D>& free : strains)
+      {
+        for (double& e : free.strain)
+          e *= given.change;
+        free.along *= given.change;
+        free.across *= given.change;
+      }
+    const int which = loadOf(given);
+    const auto held = heldUnder(which);
+    // what the expansion does to a box that is not let
+    Eigen::VectorXd heldStress = Eigen::VectorXd::Zero(n);
+    if (changes && !between(options_.sides) && wantsStress(given))
+    {
+      if (times.empty())
+        heldStress = given.change * Eigen::Map<const Eigen::VectorXd>(held_.data(), n);
+      else
+      {
+        Solver solver(problemOf(lattice_, phase_, axis_, solid), o);
+        ElasticSystem<D>& system = solver.holding(held);
+        ElasticLoad<D> expanding;
+        expanding.initial = system.eigenstress(strains, times);
+        const ElasticResult<D> result = system.solve(expanding);
+        heldStress = Eigen::Map<const Eigen::VectorXd>(result.stress.data(), n);
+        if (options_.sides == StiffnessSides::UniformStress)
+          heldStress = -Eigen::Map<const Eigen::MatrixXd>(r.stiffness.data(), n, n) *
+            Eigen::Map<const Eigen::VectorXd>(result.strain.data(), n);
+      }
+    }
+    const auto [strain, stress] = meansOf(given, r, heldStress, which);
+    o.fields = static_cast<bool>(options_.fields);
+    Solver solver(problemOf(lattice_, phase_, axis_, solid), o);
+    ElasticSystem<D>& system = solver.holding(held);
+    ElasticLoad<D> load;
+    const bool pulled = options_.sides == StiffnessSides::UniformStress;
+    if (!pulled)
+      std::copy(strain.begin(), strain.end(), load.strain.begin());
+    std::function<void(std::int64_t, std::int64_t, double* const*)> swelling;
+    if (changes)
+      load.initial = swelling = system.eigenstress(strains, times);
+    if (pulled)
+    {
+      std::array<double, n> by{};
+      std::copy(stress.begin(), stress.end(), by.begin());
+      const auto traction = system.traction(by);
+      load.initial = [traction, swelling, nx = lattice_.size[0]](
+                       std::int64_t row, std::int64_t plane, double* const* out)
+      {
+        traction(row, plane, out);
+        if (!swelling)
+          return;
+        std::vector<double> more(static_cast<std::size_t>(n * nx));
+        std::array<double*, n> rows{};
+        for (std::size_t k = 0; k < n; ++k)
+          rows[k] = more.data() + static_cast<std::int64_t>(k) * nx;
+        swelling(row, plane, rows.data());
+        for (std::size_t k = 0; k < n; ++k)
+          for (std::int64_t i = 0; i < nx; ++i)
+            out[k][i] += rows[k][i];
+      };
+    }
+    const ElasticResult<D> result = system.solve(load);
+    VoxelLoaded loaded;
+    loaded.strain.assign(result.strain.begin(), result.strain.end());
+    loaded.stress.assign(result.stress.begin(), result.stress.end());
+    if (pulled)
+      loaded.stress = stress;
+    loaded.energy = result.energy;
+    loaded.solverError = result.solverError;
+    loaded.iterations = result.iterations;
+    if (options_.fields)
+    {
+      // stresses of the material: what pulls at the faces is none
+      ElasticLoad<D> own = load;
+      own.initial = swelling;
+      const double metre = lattice_.spacing * lattice_.aspect[0];
+      std::array<double, D> edge{};
+      for (std::size_t a = 0; a < D; ++a)
+        edge[a] = lattice_.aspect[a] / lattice_.aspect[0];
+      system.forFields(own,
+        [&](std::int64_t row, std::int64_t plane, const double* const* displacement, const double* const* strains,
+          const double* const* stresses)
+        {
+          const std::int64_t nx = lattice_.size[0];
+          std::vector<double> store(static_cast<std::size_t>(D * nx));
+          std::array<double*, D> moved{};
+          std::array<double, D> place{};
+          place[D - 1] =
+            edge[D - 1] * (static_cast<double>(plane) + 0.5 - 0.5 * static_cast<double>(lattice_.size[D - 1]));
+          if constexpr (D == 3)
+            place[1] = edge[1] * (static_cast<double>(row) + 0.5 - 0.5 * static_cast<double>(lattice_.size[1]));
+          for (int c = 0; c < D; ++c)
+          {
+            moved[static_cast<std::size_t>(c)] = store.data() + c * nx;
+            for (std::int64_t i = 0; i < nx; ++i)
+            {
+              place[0] = static_cast<double>(i) + 0.5 - 0.5 * static_cast<double>(nx);
+              double u = displacement[c][i];
+              for (int a = 0; a < D; ++a)
+                u += (a == c ? 1 : 0.5) * own.strain[static_cast<std::size_t>(voigt(D, a, c))] *
+                  place[static_cast<std::size_t>(a)];
+              moved[static_cast<std::size_t>(c)][i] = metre * u;
+            }
+          }
+          options_.fields(row, plane, moved.data(), strains, stresses);
+        });
+    }
+    loaded.seconds = seconds() - start;
+    return loaded;
+  }
+
+  static bool isGiven(const std::vector<double>& values, int k)
+  {
+    return !values.empty() && std::isfinite(values[static_cast<std::size_t>(k)]);
+  }
+  [[nodiscard]] bool wantsStress(const VoxelLoad& load) const
+  {
+    bool any = options_.sides == StiffnessSides::UniformStress;
+    for (int k = 0; k < n; ++k)
+      any = any || isGiven(load.stress, k);
+    return any;
+  }
+  // Which unit strain's sides a load has.
+  [[nodiscard]] int loadOf(const VoxelLoad& load) const
+  {
+    if (!between(options_.sides) && options_.sides != StiffnessSides::Straight)
+      return 0;
+    int which = 0;
+    int normal = 0;
+    int shears = 0;
+    for (int k = 0; k < n; ++k)
+      if (const double e = isGiven(load.strain, k) ? load.strain[static_cast<std::size_t>(k)]
+            : isGiven(load.stress, k)              ? load.stress[static_cast<std::size_t>(k)]
+                                                   : 0;
+          e != 0)
+      {
+        which = k;
+        ++(k < D ? normal : shears);
+      }
+    if (between(options_.sides) && (normal != 1 || shears != 0))
+      throw ParameterError(fmt::format("a load of {} normal components and {} shears between platens", normal, shears),
+        "give one, along the axis across which platens are to press");
+    if (options_.sides == StiffnessSides::Straight && (shears > 1 || (shears == 1 && normal > 0)))
+      throw ParameterError(
+        fmt::format("a load of {} normal components and {} shears on straight sides", normal, shears),
+        "give normal components alone, or one shear");
+    return options_.sides == StiffnessSides::Straight && shears == 0 ? 0 : which;
+  }
+
+  // Mean strain and stress of a load, from the tensor.
+  [[nodiscard]] std::pair<std::vector<double>, std::vector<double>> meansOf(
+    const VoxelLoad& load, const VoxelStiffness& r, const Eigen::VectorXd& held, int which) const
+  {
+    Eigen::VectorXd strain = Eigen::VectorXd::Zero(n);
+    Eigen::VectorXd stress = Eigen::VectorXd::Zero(n);
+    std::vector<Eigen::Index> open; // whose stress is given
+    const bool free = wantsStress(load) && (!load.stress.empty() || load.strain.empty());
+    for (int k = 0; k < n; ++k)
+      if (isGiven(load.strain, k))
+        strain(k) = load.strain[static_cast<std::size_t>(k)];
+      else if (isGiven(load.stress, k) || (free && !between(options_.sides)))
+      {
+        stress(k) = isGiven(load.stress, k) ? load.stress[static_cast<std::size_t>(k)] : 0.0;
+        open.push_back(k);
+      }
+    if (options_.sides == StiffnessSides::Straight && which >= D)
+      std::erase_if(open, [which](Eigen::Index k) { return k != which; });
+    else if (options_.sides == StiffnessSides::Straight)
+      std::erase_if(
+        open, [](Eigen::Index k) { return k >= D; });
+    const auto given = [](const Eigen::VectorXd& v) { return std::vector<double>(v.data(), v.data() + v.size()); };
+    if (r.stiffness.empty())
+    {
+      if (!open.empty() || options_.sides == StiffnessSides::UniformStress)
+        throw ParameterError(
+          "a mean stress without the tensor to find its strain by", "let the tensor be solved for, or give strains");
+      return { given(strain), given(stress) };
+    }
+    const Eigen::Map<const Eigen::MatrixXd> c(r.stiffness.data(), n, n);
+    if (!open.empty())
+    {
+      const Eigen::VectorXd rest = stress - held - c * strain;
+      const Eigen::MatrixXd part = c(open, open);
+      const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(part);
+      if (!(modes.eigenvalues().minCoeff() > leastStiffness(options_.tolerance) * c.diagonal().maxCoeff()))
+        throw ParameterError("a mean stress that nothing in the box resists",
+          "give strains of the directions that have no stiffness, instead of stresses");
+      const Eigen::VectorXd found = part.ldlt().solve(rest(open));
+      for (std::size_t k = 0; k < open.size(); ++k)
+        strain(open[k]) = found(static_cast<Eigen::Index>(k));
+    }
+    return { given(strain), given(c * strain + held) };
   }
 
   // Components of displacements, but for the mean strain's, that sides hold under a unit strain. Of mirror images a
@@ -253,6 +554,8 @@ private:
               if (i != j && voigt(D, i, j) == load && a == i)
                 is = c == j;
         }
+        if (between(options_.sides))
+          is = a == load && (c == load || options_.sides == StiffnessSides::Grip);
         held[static_cast<std::size_t>(a)][static_cast<std::size_t>(c)] = is;
       }
     return held;
@@ -275,36 +578,62 @@ private:
     }
     r.constants = elasticConstants(r.stiffness, D, leastStiffness(options_.tolerance));
     r.steps.push_back(cell.step);
-    r.solidVoxels = cell.solid.voxels;
-    r.pieces = cell.solid.pieces;
-    r.loosePieces = cell.solid.loosePieces;
-    r.looseVoxels = cell.solid.looseVoxels;
-    r.crosses = cell.solid.crosses;
-    r.sides = sideMatch(lattice_, phase_);
     r.levels = cell.levels;
     r.setupSeconds = cell.setupSeconds;
     r.solveSeconds = cell.step.seconds - cell.setupSeconds;
     r.bytes = static_cast<std::int64_t>(cell.bytes);
   }
 
+  void fill(VoxelStiffness& r, const Solid& solid) const
+  {
+    r.solidVoxels = solid.voxels;
+    r.pieces = solid.pieces;
+    r.loosePieces = solid.loosePieces;
+    r.looseVoxels = solid.looseVoxels;
+    r.crosses = solid.crosses;
+    r.sides = sideMatch(lattice_, phase_);
+    warn(r, solid);
+  }
+
+  // Zeros where there are voids; rigid phases have no compliance.
   [[nodiscard]] std::vector<double> reuss() const
   {
     std::array<double, 256> counts{};
     for (const std::uint8_t id : phase_)
       ++counts[id];
+    const double each = 1 / static_cast<double>(phase_.size());
     Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(n, n);
+    std::vector<ElasticLaw<D>> turning(laws_.size());
+    bool any = false;
     for (std::size_t id = 0; id < laws_.size(); ++id)
     {
-      if (counts[id] == 0)
+      if (counts[id] == 0 || laws_[id].rigid)
         continue;
       if (isVoid_[id])
         return std::vector<double>(n * n, 0.0);
+      if (laws_[id].turns())
+      {
+        turning[id] = laws_[id].inverse();
+        any = true;
+        continue;
+      }
       Eigen::MatrixXd c(n, n);
       for (int i = 0; i < n; ++i)
         for (int j = 0; j < n; ++j)
           c(i, j) = laws_[id].stiffness[static_cast<std::size_t>(triangle(n, i, j))];
-      compliance += counts[id] / static_cast<double>(phase_.size()) * c.inverse();
+      compliance += counts[id] * each * c.inverse();
     }
+    for (std::size_t k = 0; k < phase_.size() && any; ++k)
+      if (const ElasticLaw<D>& law = turning[phase_[k]]; law.turns())
+      {
+        const auto s = law.turnedTo(axis_[k]); // components of a tensor: shears count twice or four times as angles
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; j < n; ++j)
+            compliance(i, j) +=
+              each * (i < D ? 1 : 2) * (j < D ? 1 : 2) * s[static_cast<std::size_t>(triangle(n, i, j))];
+      }
+    if (!(compliance.norm() > 0)) // all is rigid
+      return std::vector<double>(n * n, std::numeric_limits<double>::infinity());
     const Eigen::MatrixXd bound = compliance.inverse();
     return { bound.data(), bound.data() + n * n };
   }
@@ -324,7 +653,7 @@ private:
     if (!closed.empty() && options_.sides == StiffnessSides::Periodic)
       r.warnings.push_back(
         fmt::format("no piece of the cell goes on into the next one along {}: it has no stiffness there", closed));
-    else if (r.constants.resisting < n)
+    else if (options_.tensor && !between(options_.sides) && r.constants.resisting < n)
       r.warnings.push_back(
         fmt::format("the cell resists {} of {} independent strains: it is a mechanism", r.constants.resisting, n));
     if (options_.sides == StiffnessSides::Periodic)
@@ -389,9 +718,10 @@ private:
         0 };
       for (const auto& first : subsampleStarts(varying, stride, fewPictures))
       {
-        const auto [lattice, phase] = thinned(thinning, first);
-        const auto voxels = static_cast<double>(lattice.count());
-        const Solved s = solve(lattice, phase, done, voxels, all);
+        const Thinned picture = thinned(thinning, first);
+        const auto voxels = static_cast<double>(picture.lattice.count());
+        const Solid solid = findSolid(picture.lattice, picture.phase, isVoid_, voidId_, options_.sides);
+        const Solved s = solve(picture.lattice, picture.phase, picture.axis, solid, done, voxels, all);
         done += voxels;
         answer.tensors.push_back(s.step.stiffness.empty() ? std::vector<double>(n * n, 0.0) : s.step.stiffness);
         ++sum.pictures;
@@ -412,98 +742,158 @@ private:
   }
 
   // A coarser picture of the box, its pixels split as the box's are.
-  [[nodiscard]] std::pair<Lattice, std::vector<std::uint8_t>> thinned(
-    const PeriodicThinning& thinning, const std::array<std::int64_t, 3>& first) const
+  struct Thinned
+  {
+    Lattice lattice;
+    std::vector<std::uint8_t> phase;
+    std::vector<std::array<float, 3>> axis;
+  };
+  [[nodiscard]] Thinned thinned(const PeriodicThinning& thinning, const std::array<std::int64_t, 3>& first) const
   {
     const int split = options_.nodesPerPixel;
-    Lattice lattice = lattice_;
+    Thinned t{ lattice_, {}, {} };
     std::array<std::vector<std::int64_t>, 3> from{ { { 0 }, { 0 }, { 0 } } };
     for (std::size_t a = 0; a < D; ++a)
     {
-      lattice.size[a] = thinning.size[a] * split;
+      t.lattice.size[a] = thinning.size[a] * split;
       from[a].clear();
-      for (std::int64_t i = 0; i < lattice.size[a]; ++i)
+      for (std::int64_t i = 0; i < t.lattice.size[a]; ++i)
         from[a].push_back(thinning.node(a, i / split, first[a]) * split + i % split);
     }
-    std::vector<std::uint8_t> phase;
-    phase.reserve(static_cast<std::size_t>(lattice.count()));
+    t.phase.reserve(static_cast<std::size_t>(t.lattice.count()));
     for (const std::int64_t z : from[2])
       for (const std::int64_t y : from[1])
         for (const std::int64_t x : from[0])
-          phase.push_back(phase_[static_cast<std::size_t>(lattice_.index(x, y, z))]);
-    return { lattice, std::move(phase) };
+        {
+          const auto at = static_cast<std::size_t>(lattice_.index(x, y, z));
+          t.phase.push_back(phase_[at]);
+          if (!axis_.empty())
+            t.axis.push_back(axis_[at]);
+        }
+    return t;
   }
 
   const Lattice& lattice_;
   std::span<const std::uint8_t> phase_;
+  Axes axis_;
   const VoxelStiffnessOptions& options_;
   std::vector<ElasticLaw<D>> laws_; ///< a void among them
+  std::vector<FreeStrain<D>> free_;
+  bool expands_ = false;
   std::vector<bool> isVoid_;
   std::uint8_t voidId_ = 0;
+  std::vector<double> held_; ///< Solved::held of the box
 };
 
 } // namespace
 
-double voxelStiffnessBytes(const Lattice& lattice, bool isotropic)
+double voxelStiffnessBytes(const Lattice& lattice, const VoxelKinds& kinds)
 {
   const int d = lattice.dimension;
   double nodes = 1;
   for (std::size_t a = 0; a < static_cast<std::size_t>(d); ++a)
     nodes *= static_cast<double>(lattice.size[a] + 1);
-  const double kinds = isotropic ? 2 : stiffnessSize(d);
+  const double moduli = kinds.isotropic ? 2 : stiffnessSize(d);
   const double children = d == 3 ? 7 : 3; // levels are 1/8 + 1/64 + … of the finest, or 1/4 + …
-  return nodes * (16.0 * d + 4 * (2 * d + kinds) / children) + 3.0 * static_cast<double>(lattice.count());
+  return nodes * ((kinds.fields ? 20.0 : 16.0) * d + 4 * (2 * d + moduli) / children) +
+    (kinds.turns ? 15.0 : 3.0) * static_cast<double>(lattice.count());
 }
 
+namespace
+{
+
+bool isIsotropic(const PhaseStiffness& values, int dimension)
+{
+  double lambda = 0;
+  double mu = 0;
+  const auto is = [&](auto law)
+  {
+    std::copy(values.begin(), values.end(), law.stiffness.begin());
+    return law.isotropic(lambda, mu);
+  };
+  return dimension == 2 ? is(ElasticLaw<2>{}) : is(ElasticLaw<3>{});
+}
+
+void requireComponents(const std::vector<double>& values, int dimension, const char* what)
+{
+  if (!values.empty() && values.size() != static_cast<std::size_t>(voigtSize(dimension)))
+    throw ParameterError(fmt::format("{} of {} numbers", what, values.size()),
+      fmt::format("give {}, as {} have", voigtSize(dimension), dimension == 3 ? "volumes" : "pictures"));
+}
+
+} // namespace
+
 VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::uint8_t> phase,
-  const std::vector<PhaseStiffness>& stiffness, const VoxelStiffnessOptions& options)
+  const std::vector<VoxelMaterial>& materials, std::span<const std::array<float, 3>> axis,
+  const VoxelStiffnessOptions& options)
 {
   const Continuum continuum = lattice.dimension == 3 ? Continuum::Space : Continuum::PlaneStress;
+  const auto n = static_cast<std::size_t>(voigtSize(lattice.dimension));
   std::array<bool, 256> present{};
   for (const std::uint8_t id : phase)
     present[id] = true;
   bool solid = false;
+  bool deforms = false;
+  VoxelKinds kinds;
+  kinds.fields = static_cast<bool>(options.fields);
   for (std::size_t id = 0; id < present.size(); ++id)
   {
+    if (id < materials.size())
+    {
+      const VoxelMaterial& m = materials[id];
+      const bool turns = std::ranges::any_of(m.axial, [](double c) { return c != 0; });
+      const std::size_t numbers = turns ? 2 : n;
+      if ((!m.expansion.empty() && m.expansion.size() != numbers) ||
+        !std::ranges::all_of(m.expansion, [](double e) { return std::isfinite(e); }))
+        throw ParameterError(fmt::format("an expansion of {} numbers of phase {}", m.expansion.size(), id),
+          fmt::format("give {} finite ones", numbers));
+    }
     if (!present[id])
       continue;
-    if (id >= stiffness.size())
+    if (id >= materials.size() || (materials[id].stiffness.empty() && !materials[id].rigid))
       throw ParameterError(fmt::format("phase {} has no stiffness", id), "give it one, or make it a void");
-    requireStable(continuum, stiffness[id], fmt::format("phase {}", id).c_str());
-    solid = solid || std::ranges::any_of(stiffness[id], [](double c) { return c != 0; });
+    const VoxelMaterial& m = materials[id];
+    solid = solid || m.rigid;
+    if (m.rigid)
+      continue;
+    requireStable(continuum, m.stiffness, fmt::format("phase {}", id).c_str());
+    const bool stiff = std::ranges::any_of(
+      m.stiffness, [](double c) { return c != 0; });
+    const bool turns = std::ranges::any_of(m.axial, [](double c) { return c != 0; });
+    solid = solid || stiff;
+    deforms = deforms || stiff;
+    kinds.turns = kinds.turns || turns;
+    kinds.isotropic = kinds.isotropic && !turns && isIsotropic(m.stiffness, lattice.dimension);
   }
   if (!solid)
     throw NoPathError("all of the box is void", "give some phase a Young's modulus");
-  for (const std::vector<double>& strain : options.expansion)
-    if (strain.size() != static_cast<std::size_t>(voigtSize(lattice.dimension)) ||
-      !std::ranges::all_of(strain, [](double e) { return std::isfinite(e); }))
-      throw ParameterError(fmt::format("an expansion of {} numbers", strain.size()),
-        fmt::format("give {} finite ones for every phase", voigtSize(lattice.dimension)));
+  if (!deforms)
+    throw ParameterError("all that is not void is rigid", "give some phase a Young's modulus");
+  if (kinds.turns && axis.size() != phase.size())
+    throw ParameterError(fmt::format("{} axes for {} voxels", axis.size(), phase.size()),
+      "give each voxel of a phase with an axis the direction of its axis");
   if (!(options.tolerance > 0 && options.tolerance < 1))
     throw ParameterError(fmt::format("a tolerance of {}", options.tolerance), "ask for one between 0 and 1: 1e-6");
-  const bool isotropic = std::ranges::all_of(stiffness,
-    [&](const PhaseStiffness& values)
-    {
-      double lambda = 0;
-      double mu = 0;
-      if (lattice.dimension == 2)
-      {
-        ElasticLaw<2> law;
-        std::copy(values.begin(), values.end(), law.stiffness.begin());
-        return law.isotropic(lambda, mu);
-      }
-      ElasticLaw<3> law;
-      std::copy(values.begin(), values.end(), law.stiffness.begin());
-      return law.isotropic(lambda, mu);
-    });
-  const double bytes = voxelStiffnessBytes(lattice, isotropic);
+  if (options.load)
+  {
+    requireComponents(options.load->strain, lattice.dimension, "a mean strain");
+    requireComponents(options.load->stress, lattice.dimension, "a mean stress");
+    if (!options.load->source.empty() && options.load->source.size() != phase.size())
+      throw ParameterError(
+        fmt::format("a source of {} values for {} voxels", options.load->source.size(), phase.size()),
+        "give one a voxel");
+    if (between(options.sides) && options.load->change != 0)
+      throw ParameterError(
+        "an expansion between platens whose other sides are free", "take periodic sides, or uniform ones");
+  }
+  const double bytes = voxelStiffnessBytes(lattice, kinds);
   const double free = options.memory > 0 ? options.memory : static_cast<double>(availableMemory());
   if (bytes > free)
     throw MemoryError(fmt::format("the stiffness of {} × {} × {} voxels takes {}, and {} are free", lattice.size[0],
                         lattice.size[1], lattice.size[2], bytesText(bytes), bytesText(free)),
       "take a window, or every second voxel");
-  return lattice.dimension == 3 ? Study<3>(lattice, phase, stiffness, options).run()
-                                : Study<2>(lattice, phase, stiffness, options).run();
+  return lattice.dimension == 3 ? Study<3>(lattice, phase, materials, axis, options).run()
+                                : Study<2>(lattice, phase, materials, axis, options).run();
 }
 
 } // namespace lamella::elasticity

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -22,15 +23,48 @@ enum class StiffnessSides
 {
   Periodic,      ///< the box repeats; displacements but for the mean strain do, too
   UniformStrain, ///< all faces follow the mean strain: an upper bound
-  Straight       ///< faces stay plane and slide on frictionless neighbours: mirror images of the box fill space
+  UniformStress, ///< all faces are pulled by the mean stress: a lower bound; no void may touch them
+  Straight,      ///< faces stay plane and slide on frictionless neighbours: mirror images of the box fill space
+  Slip,          ///< between platens without friction, across each axis in turn; the other faces are free
+  Grip           ///< between platens that hold, across each axis in turn; the other faces are free
 };
+[[nodiscard]] constexpr bool between(StiffnessSides sides) noexcept
+{
+  return sides == StiffnessSides::Slip || sides == StiffnessSides::Grip;
+}
+
+struct VoxelMaterial
+{
+  PhaseStiffness stiffness; ///< all 0: a void
+  /// As axialModuli() gives them, of a phase whose axis is each voxel's own; all 0: `stiffness` holds as it is.
+  std::array<double, 5> axial{};
+  bool rigid = false; ///< its pieces move as bodies; both others are 0
+  /// Strain that it takes when nothing holds it, of a unit of temperature or moisture: Voigt's order, shears as angles;
+  /// of a phase with an axis along it and across it. Empty: none.
+  std::vector<double> expansion;
+};
+
+/// A macroscopic load. Components in Voigt's order, NaN where they are not given: what neither names has no strain, but
+/// where some stress is given it has no stress. Between platens the one normal component that is given is the load.
+struct VoxelLoad
+{
+  std::vector<double> strain;    ///< shears as angles; empty: none is given
+  std::vector<double> stress;    ///< [Pa]; empty: none is given
+  double change = 0;             ///< of temperature or moisture, for the materials' expansion
+  std::span<const float> source; ///< by voxel, what `change` is times; empty: 1
+};
+
+/// Of a row of voxels along x, from threads of its own: displacements of voxels' centres from the box's centre [m],
+/// strains (shears as angles) and stresses [Pa] by Voigt's order.
+using VoxelFieldRow = std::function<void(std::int64_t row, std::int64_t plane, const double* const* displacement,
+  const double* const* strain, const double* const* stress)>;
 
 struct VoxelStiffnessOptions
 {
   StiffnessSides sides = StiffnessSides::Periodic;
-  /// Strains that phases take when nothing holds them, by phase id, Voigt's order, shears as angles: of a unit of
-  /// temperature or moisture. Or none.
-  std::vector<std::vector<double>> expansion;
+  bool tensor = true; ///< without it only a load is solved for, whose strains are all given
+  std::optional<VoxelLoad> load;
+  VoxelFieldRow fields;    ///< of the load; takes 4 bytes more a component and node
   double tolerance = 1e-6; ///< of the energy of each unit strain, relative
   int maxIterations = 500; ///< of each
   /// Of the picture and the elements against the material, from coarser pictures of the same box (StiffnessError.h):
@@ -40,6 +74,16 @@ struct VoxelStiffnessOptions
   int threads = 1;                            ///< above 0
   double memory = 0;                          ///< bytes that may be taken; 0: what is free
   std::function<bool(double share)> progress; ///< false cancels
+};
+
+/// What a load came to.
+struct VoxelLoaded
+{
+  std::vector<double> strain, stress; ///< means over the box, Voigt's order
+  double energy = 0;                  ///< mean of σ : ε [Pa], with a change of σ : (ε − what is free)
+  double solverError = 0;
+  int iterations = 0;
+  double seconds = 0;
 };
 
 struct VoxelStiffnessStep
@@ -54,11 +98,14 @@ struct VoxelStiffnessStep
 
 struct VoxelStiffness
 {
-  std::vector<double> stiffness; ///< components² by rows, Voigt's order, shears as angles [Pa]; symmetric
-  std::vector<double> voigt;     ///< bound: all voxels follow the mean strain
-  std::vector<double> reuss;     ///< bound: stress is uniform; 0 where there are voids
-  std::vector<double>
-    expansion;            ///< mean strain of the free box for the phases' `expansion`; empty where none was given
+  /// Components² by rows, Voigt's order, shears as angles [Pa]; symmetric. Between platens the diagonal alone: stress
+  /// over strain along each axis, free faces. Empty where it was not wanted.
+  std::vector<double> stiffness;
+  std::vector<double> voigt; ///< bound: all voxels follow the mean strain
+  std::vector<double> reuss; ///< bound: stress is uniform; 0 where there are voids
+  /// Mean strain of the free box for the materials' `expansion`; empty where none was given.
+  std::vector<double> expansion;
+  std::optional<VoxelLoaded> loaded;
   double asymmetry = 0;   ///< of the tensor as solved, over the largest component
   double solverError = 0; ///< of the energies, relative: the largest
   ElasticConstants constants;
@@ -77,14 +124,22 @@ struct VoxelStiffness
   std::int64_t bytes = 0; ///< of all arrays alive at once
 };
 
-/// Bytes that a box takes, phases included.
-[[nodiscard]] double voxelStiffnessBytes(const Lattice& lattice, bool isotropic);
+struct VoxelKinds
+{
+  bool isotropic = true; ///< all phases are
+  bool turns = false;    ///< some follow axes
+  bool fields = false;
+};
+/// Bytes that a box takes, phases and axes included.
+[[nodiscard]] double voxelStiffnessBytes(const Lattice& lattice, const VoxelKinds& kinds);
 
-/// @param phase ids of lattice.count() voxels, x fastest
-/// @param stiffness by phase id, of the lattice's dimension
+/// @param phase     ids of lattice.count() voxels, x fastest
+/// @param materials by phase id, of the lattice's dimension
+/// @param axis      of each voxel, of any length, where some phase follows it; else empty
 /// @throws ParameterError: a phase without stiffness, or with one that is not positive definite; NoPathError: the solid
 ///   leads across the box along no axis; MemoryError before anything is allocated; DivergenceError; Cancelled
 [[nodiscard]] VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::uint8_t> phase,
-  const std::vector<PhaseStiffness>& stiffness, const VoxelStiffnessOptions& options);
+  const std::vector<VoxelMaterial>& materials, std::span<const std::array<float, 3>> axis,
+  const VoxelStiffnessOptions& options);
 
 } // namespace lamella::elasticity

@@ -1,6 +1,7 @@
 // Elements on the lattice: the stiffness of boxes of voxels against dense solves of elements that are integrated here,
 // against laminates, which are exact, and against published arrays.
 #include "elasticity/ElasticSystem.h"
+#include "elasticity/TensorParts.h"
 #include "elasticity/VoxelStiffness.h"
 
 #include "core/Error.h"
@@ -421,6 +422,14 @@ TEST(Elasticity, TakesTheMemoryThatItPromises)
   EXPECT_LE(static_cast<double>(system.bytes()) / static_cast<double>(sample.phase.size()), 60.0);
 }
 
+std::vector<VoxelMaterial> materialsOf(const std::vector<PhaseStiffness>& stiffness)
+{
+  std::vector<VoxelMaterial> materials;
+  for (const PhaseStiffness& values : stiffness)
+    materials.push_back({ values, {}, false, {} });
+  return materials;
+}
+
 Lattice latticeOf(const std::array<std::int64_t, 3>& size)
 {
   return makeLattice(size[0], size[1], size[2], size[2] > 1 ? 3 : 2, 1e-6);
@@ -439,8 +448,10 @@ TEST(VoxelStiffness, ExpansionIsLevins)
   o.estimateError = false;
   const double a1 = 3e-5;
   const double a2 = 5e-6;
-  o.expansion = { { a1, a1, a1, 0, 0, 0 }, { a2, a2, a2, 0, 0, 0 } };
-  const VoxelStiffness r = studyVoxelStiffness(lattice, sample.phase, phases, o);
+  std::vector<VoxelMaterial> materials = materialsOf(phases);
+  materials[0].expansion = { a1, a1, a1, 0, 0, 0 };
+  materials[1].expansion = { a2, a2, a2, 0, 0, 0 };
+  const VoxelStiffness r = studyVoxelStiffness(lattice, sample.phase, materials, {}, o);
   const Eigen::MatrixXd compliance = Eigen::Map<const Eigen::MatrixXd>(r.stiffness.data(), 6, 6).inverse();
   std::array<Eigen::MatrixXd, 2> s;
   for (std::size_t k = 0; k < 2; ++k)
@@ -471,7 +482,7 @@ TEST(VoxelStiffness, BoundsAreInOrder)
   const auto of = [&](StiffnessSides sides)
   {
     o.sides = sides;
-    return studyVoxelStiffness(lattice, sample.phase, phases, o);
+    return studyVoxelStiffness(lattice, sample.phase, materialsOf(phases), {}, o);
   };
   const VoxelStiffness periodic = of(StiffnessSides::Periodic);
   const VoxelStiffness uniform = of(StiffnessSides::UniformStrain);
@@ -505,9 +516,11 @@ TEST(VoxelStiffness, StraightSidesAreMirrors)
   o.estimateError = false;
   o.tolerance = 1e-9;
   o.sides = StiffnessSides::Straight;
-  const VoxelStiffness half = studyVoxelStiffness(makeLattice(9, 8, 1, 2, 1e-6), sample.phase, phases, o);
+  const VoxelStiffness half =
+    studyVoxelStiffness(makeLattice(9, 8, 1, 2, 1e-6), sample.phase, materialsOf(phases), {}, o);
   o.sides = StiffnessSides::Periodic;
-  const VoxelStiffness whole = studyVoxelStiffness(makeLattice(18, 16, 1, 2, 1e-6), mirrored.phase, phases, o);
+  const VoxelStiffness whole =
+    studyVoxelStiffness(makeLattice(18, 16, 1, 2, 1e-6), mirrored.phase, materialsOf(phases), {}, o);
   for (std::size_t i = 0; i < 9; ++i)
     EXPECT_NEAR(half.stiffness[i], whole.stiffness[i], 3e-5);
 }
@@ -521,7 +534,7 @@ TEST(VoxelStiffness, LoosePiecesGoAndVoidsAreRefused)
     isotropicStiffness(Continuum::PlaneStress, 1, 0.25) };
   VoxelStiffnessOptions o;
   const Lattice lattice = makeLattice(24, 20, 1, 2, 1e-6);
-  const VoxelStiffness r = studyVoxelStiffness(lattice, sample.phase, phases, o);
+  const VoxelStiffness r = studyVoxelStiffness(lattice, sample.phase, materialsOf(phases), {}, o);
   EXPECT_EQ(r.loosePieces, 1);
   EXPECT_EQ(r.looseVoxels, 16);
   EXPECT_NEAR(r.constants.youngsModulus[0], 6.0 / 20, 1e-6); // a bar
@@ -529,11 +542,196 @@ TEST(VoxelStiffness, LoosePiecesGoAndVoidsAreRefused)
   EXPECT_TRUE(r.crosses[0]);
   EXPECT_FALSE(r.crosses[1]);
   std::ranges::fill(sample.phase, std::uint8_t{ 0 });
-  EXPECT_THROW((void)studyVoxelStiffness(lattice, sample.phase, phases, o), NoPathError);
+  EXPECT_THROW((void)studyVoxelStiffness(lattice, sample.phase, materialsOf(phases), {}, o), NoPathError);
   sample.phase[30] = 1;
-  EXPECT_THROW((void)studyVoxelStiffness(lattice, sample.phase, phases, o), NoPathError);
+  EXPECT_THROW((void)studyVoxelStiffness(lattice, sample.phase, materialsOf(phases), {}, o), NoPathError);
   o.memory = 1000;
-  EXPECT_THROW((void)studyVoxelStiffness(lattice, sample.phase, phases, o), MemoryError);
+  EXPECT_THROW((void)studyVoxelStiffness(lattice, sample.phase, materialsOf(phases), {}, o), MemoryError);
+}
+
+// A rigid phase is the limit of a stiff one: 1 / contrast apart. Pieces that reach over the seam and turn.
+TEST(Elasticity, RigidPhasesAreTheLimit)
+{
+  Sample<2> plane({ 20, 17 });
+  plane.fill([](const auto& at) { return (at[0] + 3) % 10 < 6 && (at[1] + at[0] / 10 * 5 + 4) % 17 < 8 ? 1 : 0; });
+  auto p = problemOf<2>(plane, { planeStress(1, 0.3), planeStress(1e7, 0.3) });
+  const Eigen::MatrixXd stiff = dense(p);
+  p.laws[1] = {};
+  p.laws[1].rigid = true;
+  const Eigen::MatrixXd rigid = solved(p, 1e-9);
+  EXPECT_LT((rigid - stiff).norm(), 3e-6 * stiff.norm());
+  EXPECT_LT((rigid - rigid.transpose()).norm(), 1e-8 * rigid.norm());
+
+  Sample<3> space({ 8, 7, 8 });
+  space.fill(
+    [](const auto& at) { return at[0] < 3 && at[1] > 1 && at[1] < 5 && (at[2] > 5 || at[2] < 2 + at[0]) ? 1 : 0; });
+  auto q = problemOf<3>(space, { inSpace(1, 0.3), inSpace(1e7, 0.3) });
+  const Eigen::MatrixXd limit = dense(q);
+  q.laws[1] = {};
+  q.laws[1].rigid = true;
+  EXPECT_LT((solved(q, 1e-9) - limit).norm(), 3e-6 * limit.norm());
+
+  Sample<2> through({ 12, 9 });
+  through.fill([](const auto& at) { return at[1] == 4 ? 1 : 0; });
+  auto endless = problemOf<2>(through, { planeStress(1, 0.3), {} });
+  endless.laws[1].rigid = true;
+  EXPECT_THROW(ElasticSystem<2>(endless, {}), ParameterError);
+}
+
+// A homogeneous body: uniform stress and slipping platens give its moduli; platens that hold give more.
+TEST(VoxelStiffness, SidesOfAHomogeneousBody)
+{
+  const Sample<3> sample({ 9, 7, 8 });
+  const std::vector<VoxelMaterial> wood{ { isotropicStiffness(Continuum::Space, 3, 0.25), {}, false, {} } };
+  VoxelStiffnessOptions o;
+  o.estimateError = false;
+  o.tolerance = 1e-10;
+  o.sides = StiffnessSides::UniformStress;
+  const VoxelStiffness uniform = studyVoxelStiffness(latticeOf(sample.size), sample.phase, wood, {}, o);
+  EXPECT_NEAR(uniform.constants.youngsModulus[1], 3, 1e-5);
+  EXPECT_NEAR(uniform.constants.poissonsRatio[0], 0.25, 1e-5);
+  EXPECT_NEAR(uniform.constants.shearModulus[2], 1.2, 1e-5);
+  o.sides = StiffnessSides::Slip;
+  const VoxelStiffness slip = studyVoxelStiffness(latticeOf(sample.size), sample.phase, wood, {}, o);
+  o.sides = StiffnessSides::Grip;
+  const VoxelStiffness grip = studyVoxelStiffness(latticeOf(sample.size), sample.phase, wood, {}, o);
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    EXPECT_NEAR(slip.constants.youngsModulus[a], 3, 1e-5);
+    EXPECT_GT(grip.constants.youngsModulus[a], 3.01);
+    EXPECT_LT(grip.constants.youngsModulus[a], 3.6); // of sides that are held: 3 (1 − ν)/((1 + ν)(1 − 2ν))
+  }
+}
+
+// Uniform stress is a lower bound, Reuss's a lower one still.
+TEST(VoxelStiffness, UniformStressIsALowerBound)
+{
+  const auto sample = noise<3>({ 12, 11, 10 }, 2, 10);
+  const std::vector<VoxelMaterial> phases =
+    materialsOf({ isotropicStiffness(Continuum::Space, 1, 0.1), isotropicStiffness(Continuum::Space, 30, 0.3) });
+  VoxelStiffnessOptions o;
+  o.estimateError = false;
+  const VoxelStiffness periodic = studyVoxelStiffness(latticeOf(sample.size), sample.phase, phases, {}, o);
+  o.sides = StiffnessSides::UniformStress;
+  const VoxelStiffness lower = studyVoxelStiffness(latticeOf(sample.size), sample.phase, phases, {}, o);
+  for (std::size_t a = 0; a < 3; ++a)
+    EXPECT_LT(lower.constants.youngsModulus[a], periodic.constants.youngsModulus[a]);
+  const Eigen::Map<const Eigen::MatrixXd> c(lower.stiffness.data(), 6, 6);
+  const Eigen::Map<const Eigen::MatrixXd> reuss(lower.reuss.data(), 6, 6);
+  EXPECT_GT((c - reuss).selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0);
+  auto pierced = sample;
+  pierced.phase[5] = 2;
+  std::vector<VoxelMaterial> withVoid = phases;
+  withVoid.push_back({ voidStiffness(Continuum::Space), {}, false, {} });
+  EXPECT_THROW((void)studyVoxelStiffness(latticeOf(sample.size), pierced.phase, withVoid, {}, o), ParameterError);
+}
+
+// Strain in one direction with the others free, and the fields of that: means are the load's, and of a laminate every
+// layer has the same stress across it.
+TEST(VoxelStiffness, LoadsAndTheirFields)
+{
+  Sample<3> sample({ 6, 8, 5 });
+  sample.fill([](const auto& at) { return at[1] < 3 ? 1 : 0; });
+  const std::vector<VoxelMaterial> phases =
+    materialsOf({ isotropicStiffness(Continuum::Space, 2e9, 0.35), isotropicStiffness(Continuum::Space, 9e9, 0.2) });
+  for (const bool pulled : { false, true })
+  {
+    VoxelStiffnessOptions o;
+    o.tolerance = 1e-12;
+    o.estimateError = false;
+    o.load.emplace();
+    const double unknown = std::nan("");
+    if (pulled)
+      o.load->stress = { unknown, 5e6, unknown, unknown, unknown, 1e6 };
+    else
+    {
+      o.load->strain = { unknown, 1e-3, unknown, unknown, unknown, unknown };
+      o.load->stress = { 0, unknown, unknown, unknown, unknown, unknown };
+    }
+    std::array<double, 6> stress{};
+    std::array<double, 6> strain{};
+    double spread = 0;
+    double highest = 0;
+    o.fields = [&](
+                 std::int64_t row, std::int64_t, const double* const* u, const double* const* e, const double* const* s)
+    {
+      for (int i = 0; i < 6; ++i)
+      {
+        for (std::size_t k = 0; k < 6; ++k)
+        {
+          stress[k] += s[k][i] / 240;
+          strain[k] += e[k][i] / 240;
+        }
+        spread = std::max(spread, std::abs(s[1][i] - s[1][0]));
+        if (row == 7)
+          highest = u[1][i];
+      }
+    };
+    const VoxelStiffness r = studyVoxelStiffness(latticeOf(sample.size), sample.phase, phases, {}, o);
+    ASSERT_TRUE(r.loaded);
+    const double across = pulled ? 5e6 : r.loaded->stress[1];
+    EXPECT_NEAR(r.loaded->stress[1], across, 1e-6 * across);
+    EXPECT_NEAR(r.loaded->stress[0], 0, 1e-6 * across);
+    EXPECT_NEAR(r.loaded->stress[5], pulled ? 1e6 : 0, 1e-6 * across);
+    EXPECT_NEAR(across / r.loaded->strain[1], r.constants.youngsModulus[1], 1e-5 * r.constants.youngsModulus[1]);
+    for (std::size_t k = 0; k < 6; ++k)
+    {
+      EXPECT_NEAR(stress[k], r.loaded->stress[k], 1e-6 * across) << k;
+      EXPECT_NEAR(strain[k], r.loaded->strain[k], 1e-8 * r.loaded->strain[1]) << k;
+    }
+    EXPECT_LT(spread, 1e-6 * across);
+    // the top layer's middle, half a voxel within: where the mean strain would have it, less what the soft layer takes
+    EXPECT_GT(highest, 0);
+    EXPECT_LT(std::abs(highest), 4e-6 * r.loaded->strain[1] * 2);
+  }
+}
+
+// A body of one material whose axis turns nowhere expands as the material does, and when it is held it has the stress
+// that its stiffness gives; of a material with its axes all over, in every direction the same stress-free strain as
+// stress, times the stiffness.
+TEST(VoxelStiffness, ExpandsAlongItsAxis)
+{
+  const TransverseMaterial wood{ 9e9, 1e9, 0.4, 0.3, 0.7e9 };
+  const double c = std::cos(0.6);
+  const double s = std::sin(0.6);
+  const Sample<3> sample({ 6, 5, 4 });
+  VoxelMaterial material;
+  material.stiffness = transverseStiffness(Continuum::Space, wood, { 1, 0, 0 });
+  material.axial = axialModuli(Continuum::Space, wood);
+  material.expansion = { 3e-3, 8e-2 };
+  const std::vector<std::array<float, 3>> axis(
+    sample.phase.size(), { static_cast<float>(2 * c), static_cast<float>(2 * s), 0 });
+  VoxelStiffnessOptions o;
+  o.tolerance = 1e-10;
+  o.estimateError = false;
+  o.load.emplace();
+  o.load->strain.assign(6, 0.0);
+  o.load->change = 0.5;
+  const VoxelStiffness r = studyVoxelStiffness(latticeOf(sample.size), sample.phase, { material }, axis, o);
+  EXPECT_NEAR(r.expansion[0], 3e-3 * c * c + 8e-2 * s * s, 1e-7);
+  EXPECT_NEAR(r.expansion[1], 3e-3 * s * s + 8e-2 * c * c, 1e-7);
+  EXPECT_NEAR(r.expansion[2], 8e-2, 1e-7);
+  EXPECT_NEAR(r.expansion[5], 2 * (3e-3 - 8e-2) * c * s, 2e-7);
+  const Eigen::Map<const Eigen::MatrixXd> stiffness(r.stiffness.data(), 6, 6);
+  const Eigen::VectorXd expected = -0.5 * stiffness * Eigen::Map<const Eigen::VectorXd>(r.expansion.data(), 6);
+  for (std::size_t k = 0; k < 6; ++k)
+    EXPECT_NEAR(r.loaded->stress[k], expected(static_cast<Eigen::Index>(k)), 1e-5 * expected.norm());
+  EXPECT_NEAR(r.reuss[0], r.stiffness[0], 1e-5 * r.stiffness[0]); // one material: the bounds are itself
+  EXPECT_NEAR(r.voigt[21], r.stiffness[21], 1e-5 * r.stiffness[0]);
+
+  // a change twice as large in one half than in the other, source and change told apart
+  std::vector<float> source(sample.phase.size(), 1.0F);
+  std::fill_n(source.begin(), source.size() / 2, 2.0F);
+  o.load->source = source;
+  o.load->change = 1;
+  o.load->strain = {};
+  o.load->stress.assign(6, 0.0);
+  const VoxelStiffness free = studyVoxelStiffness(latticeOf(sample.size), sample.phase, { material }, axis, o);
+  for (std::size_t k = 0; k < 6; ++k)
+  {
+    EXPECT_NEAR(free.loaded->stress[k], 0, 1e3);
+    EXPECT_NEAR(free.loaded->strain[k], 1.5 * r.expansion[k], 1e-6); // Levin: the mean of one material
+  }
 }
 
 TEST(ElasticMaterials, RefuseWhatCannotBe)
@@ -570,6 +768,60 @@ TEST(ElasticMaterials, TurnWithTheirAxis)
   std::copy(plane.begin(), plane.end(), law.stiffness.begin());
   const double expected = 1 / (std::pow(c, 4) / 8 + std::pow(s, 4) / 6.4 + (1 / 2.5 - 2 * 0.3 / 8) * s * s * c * c);
   EXPECT_NEAR(1 / matrixOf(law).inverse()(0, 0), expected, 1e-12);
+}
+
+TEST(TensorParts, KnowWhatTheyAreMadeOf)
+{
+  // isotropic: nothing is left, in all directions the same modulus
+  ElasticLaw<3> law = inSpace(3, 0.3);
+  Eigen::MatrixXd c = matrixOf(law);
+  const IsotropicPart same = nearestIsotropic({ c.data(), 36 }, 3);
+  EXPECT_NEAR(same.young, 3, 1e-12);
+  EXPECT_NEAR(same.poisson, 0.3, 1e-12);
+  EXPECT_NEAR(same.rest, 0, 1e-12);
+  const DirectionalModulus modulus({ c.data(), 36 }, 3);
+  EXPECT_NEAR(modulus({ 0.3, -2, 0.7 }), 3, 1e-12);
+  c = matrixOf(planeStress(3, 0.3));
+  EXPECT_NEAR(nearestIsotropic({ c.data(), 9 }, 2).young, 3, 1e-12);
+  EXPECT_NEAR(DirectionalModulus({ c.data(), 9 }, 2)({ 1, 4, 0 }), 3, 1e-12);
+
+  // a wood that is turned: its own axes and moduli are found
+  const TransverseMaterial wood{ 9, 1, 0.4, 0.3, 0.7 };
+  const PhaseStiffness turned = transverseStiffness(Continuum::Space, wood, { 2, 1, -0.5 });
+  std::copy(turned.begin(), turned.end(), law.stiffness.begin());
+  c = matrixOf(law);
+  const OrthotropicPart part = nearestOrthotropic({ c.data(), 36 }, 3);
+  EXPECT_LT(part.rest, 1e-6);
+  const Eigen::Map<const Eigen::MatrixXd> own(part.stiffness.data(), 6, 6);
+  EXPECT_NEAR(1 / own.inverse()(0, 0), 9, 1e-5);
+  EXPECT_NEAR(std::abs(part.axes[0][0]), 2 / std::sqrt(5.25), 1e-6);
+  EXPECT_NEAR(DirectionalModulus({ c.data(), 36 }, 3)({ 2, 1, -0.5 }), 9, 1e-9);
+
+  // a bar along x: no stiffness across it
+  Eigen::MatrixXd bar = Eigen::MatrixXd::Zero(3, 3);
+  bar(0, 0) = 5;
+  const DirectionalModulus along({ bar.data(), 9 }, 2);
+  EXPECT_NEAR(along({ 1, 0, 0 }), 5, 1e-12);
+  EXPECT_EQ(along({ 1, 1, 0 }), 0);
+}
+
+TEST(TensorParts, HashinShtrikmanBounds)
+{
+  // one half of each, K 1 and 10, G 1 and 5, in space: by hand from the formulas of the paper
+  const std::array<double, 2> half{ 0.5, 0.5 };
+  const std::array<double, 2> bulk{ 1, 10 };
+  const std::array<double, 2> shear{ 1, 5 };
+  const IsotropicBounds b = hashinShtrikman(half, bulk, shear, 3);
+  EXPECT_NEAR(b.bulk[0], 1 + 0.5 / (1 / 9.0 + 0.5 * 3 / 7), 1e-12);
+  EXPECT_NEAR(b.bulk[1], 10 + 0.5 / (-1 / 9.0 + 0.5 * 3 / 50), 1e-12);
+  EXPECT_NEAR(b.shear[0], 1 + 0.5 / (1 / 4.0 + 0.5 * 6 * 3 / (5 * 7)), 1e-12);
+  EXPECT_NEAR(b.shear[1], 5 + 0.5 / (-1 / 4.0 + 0.5 * 6 * 20 / (5 * 5 * 50)), 1e-12);
+  // with voids the lower ones are 0; one phase is itself
+  const std::array<double, 2> hollow{ 0, 10 };
+  EXPECT_EQ(hashinShtrikman(half, hollow, hollow, 3).bulk[0], 0);
+  EXPECT_EQ(hashinShtrikman(half, hollow, hollow, 2).shear[0], 0);
+  const std::array<double, 2> all{ 0, 1 };
+  EXPECT_NEAR(hashinShtrikman(all, bulk, shear, 2).shear[0], 5, 1e-12);
 }
 
 } // namespace
