@@ -1,4 +1,4 @@
-// Do the error bars of `lamella stiffness` hold? Cells of known materials, coarse and less coarse, odd and even, in the
+// Do the error bars of `lamella bond-stiffness` hold? Cells of known materials, coarse and less coarse, odd and even, in the
 // plane and in space: disks, polygons, honeycombs, laminates, spheres, boxes; contrasts 2 to 100 either way round, and
 // voids. The truth is the material's own stiffness: exact for laminates (Backus 1962), else finite elements of another
 // program on far finer pictures of the same geometry, extrapolated from two (stiffness-truths.csv, by seed and number;

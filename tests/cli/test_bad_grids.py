@@ -19,7 +19,7 @@ def readers(name):
             ["flux-map", name, "-o", "x.vti"]] + (
                 [["bridges", name, "-o", "x.vti"], ["snapshot", "image.vti", "--lines", name, "-o", "x.png"]]
                 if name.endswith(".vtp") else
-                [["equilibrium", name, "--young", "a=1", "-o", "x.vti"], ["stiffness", name, "--young", "a=1"],
+                [["equilibrium", name, "--young", "a=1", "-o", "x.vti"], ["bond-stiffness", name, "--young", "a=1"],
                  ["diffusion", name, "--conductivity", "a=1", "-o", "x.vti"]])
 
 

@@ -51,8 +51,8 @@ class BadPictures(Case):
     def test_damaged_pixels(self):
         # Chunks that are whole with pixels that are not: the decoder's own words stay off standard error.
         name = self.write("p.png", pictures.png([[0] * 9] * 9, height=10))
-        for command in ["diffusion", "equilibrium", "stiffness", "pore-flood-fill", "snapshot", "info"]:
-            words = {"diffusion": SOLVE, "equilibrium": ["--young", "wall=1"], "stiffness": ["--young", "wall=1"],
+        for command in ["diffusion", "equilibrium", "bond-stiffness", "pore-flood-fill", "snapshot", "info"]:
+            words = {"diffusion": SOLVE, "equilibrium": ["--young", "wall=1"], "bond-stiffness": ["--young", "wall=1"],
                      "snapshot": ["-o", "x.png"]}.get(command, [])
             self.fails(3, "cannot be decoded: the PNG is damaged or of a rare kind (Not enough image data)",
                        "save it again", command, name, *words)
@@ -195,7 +195,7 @@ class BadPhases(Case):
             ["diffusion", "--conductivity", "void=0", "--conductivity", "solid=1"],
             ["pore-flood-fill"],
             ["equilibrium", "--young", "solid=1"],
-            ["stiffness", "--young", "solid=1"],
+            ["bond-stiffness", "--young", "solid=1"],
         ):
             self.fails(5, "20000 × 20000 × 10000", "window", command, *words, *more)
             several = self.run_lamella(command, *words, *more, ranks=2) # the launcher has its say as well
@@ -231,7 +231,7 @@ class Sizes(Case):
         for words in [
             ["diffusion", "p.png", *SOLVE],
             ["transient", "p.png", *PHASES, "--diffusivity", "wall=1", "--diffusivity", "lumen=1", "--end-time", "1"],
-            ["stiffness", "p.png", *PHASES, *young],
+            ["bond-stiffness", "p.png", *PHASES, *young],
             ["equilibrium", "p.png", *PHASES, *young],
             ["fracture", "p.png", *PHASES, *young, "--critical-stretch", "wall=0.1"],
             ["dynamics", "p.png", *PHASES, *young, "--density", "1", "--critical-stretch", "wall=0.1"],

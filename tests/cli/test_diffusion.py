@@ -358,7 +358,7 @@ class Greys(Case):
         fails(2, "interpolated conductivities with shares", "take one of them", "--interpolate", "--conductivity", "40=1,220=2", "--shares", "40,220")
         fails(2, "go with straight links", "d3q7", "--interpolate", "--conductivity", "40=1,220=2", "--pixel-size", "1um",
               "--slice-distance", "2um", "--lattice", "d3q19")
-        self.fails(2, "'--slice-distance' is not an option", "lamella diffusion", "stiffness", name, "--slice-distance", "2um")
+        self.fails(2, "'--slice-distance' is not an option", "lamella diffusion", "bond-stiffness", name, "--slice-distance", "2um")
 
 
 class Ranks(Case):

@@ -36,7 +36,7 @@ class Names(Case):
         self.fails(2, twice % "t.csv", "of its own", *pores, "-o", "t.csv", "--distribution", "t.csv")
         self.fails(2, twice % "./t.csv", "of its own", *pores, "-o", "t.csv", "--distribution", "./t.csv", "--overwrite")
         self.works("generate", "honeycomb", "--size", "48,48", "-o", "h.png")
-        self.fails(2, twice % "s.csv", "of its own", "stiffness", "h.png", "--young", "wall=1e9", "-o", "s.csv", "--constants",
+        self.fails(2, twice % "s.csv", "of its own", "bond-stiffness", "h.png", "--young", "wall=1e9", "-o", "s.csv", "--constants",
                    "s.csv")
         os.symlink(".", self.path("same"))
         self.fails(2, twice % "same/t.csv", "of its own", *pores, "-o", "t.csv", "--distribution", "same/t.csv")
@@ -163,7 +163,7 @@ class Memory(Case):
         self.works("generate", "honeycomb", "--size", "400,400", "-o", "h.png")
         starts = next(k for k in range(420000, 2000000, 40000) if self.limited(k, "--version").code == 0)
         wall = ["--young", "wall=1e9"]
-        for words in [["stiffness", "h.png", *wall], ["snapshot", "h.png", "-o", "x.png", "--overwrite"],
+        for words in [["bond-stiffness", "h.png", *wall], ["snapshot", "h.png", "-o", "x.png", "--overwrite"],
                       ["transient", "h.png", "--diffusivity", "wall=1e-9", "--diffusivity", "lumen=1e-9", "--end-time", "0.001"]]:
             for more in [5000, 40000, 100000]:
                 result = self.limited(starts + more, *words)

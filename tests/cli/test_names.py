@@ -47,7 +47,7 @@ class Names(program.Case):
                     ("transient", name, "--diffusivity", every.replace("=1", "=1e-7"), "--at-step", "4"),
                     ("equilibrium", name, *walls, "--stress", "-o", "loaded.vti", "--overwrite"),
                     ("stress-pdf", "loaded.vti", "--phase", solid[0]),
-                    ("stiffness", name, *walls, "--no-error-estimate"),
+                    ("bond-stiffness", name, *walls, "--no-error-estimate"),
                     ("fracture", name, *walls, *breaks),
                     ("dynamics", name, *walls, "--density", "1000", "--velocity", "y+=0,1", "--end-time", "1e-9"),
                     ("compression", name, "--stiffness-only", "--young", ",".join(f"{phase}=1e9" for phase in solid)),

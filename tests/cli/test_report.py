@@ -127,21 +127,21 @@ class Report(Case):
 generate = "honeycomb"
 size = [64, 64]
 
-[stiffness]
+[bond-stiffness]
 young = { wall = [1e9, 1e10] }
 surface-correction = true
 micromodulus = ["continuum", "isotropic"]
 
 [measure]
-E = "stiffness.constants.E_x.value"
-E_error = "stiffness.constants.E_x.estimated_error"
+E = "bond-stiffness.constants.E_x.value"
+E_error = "bond-stiffness.constants.E_x.estimated_error"
 """)
         self.assertEqual(said["title"], "sweep", "the scene's name where it has no title")
-        for words in ("E [", "Pa]", "One sample each; bars: its error as the command tells it, E_error .", "stiffness.young.wall [Pa]", "young.wall 10⁹ Pa", "isotropic"):
+        for words in ("E [", "Pa]", "One sample each; bars: its error as the command tells it, E_error .", "bond-stiffness.young.wall [Pa]", "young.wall 10⁹ Pa", "isotropic"):
             self.assertIn(words, page.text)
         with open(self.path("results/table.csv.json"), encoding="utf-8") as file:
             columns = json.load(file)["columns"]
-        self.assertEqual(columns["E"], {"unit": "Pa", "meaning": "stiffness.constants.E_x.value"})
+        self.assertEqual(columns["E"], {"unit": "Pa", "meaning": "bond-stiffness.constants.E_x.value"})
 
     def test_a_page_of_many_samples_stays_small(self):
         count = 700

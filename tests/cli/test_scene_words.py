@@ -79,7 +79,7 @@ write = ["output", "curve"]
 [collapse-map]
 write = true
 
-[stiffness]
+[bond-stiffness]
 
 [[compression]]
 name = "moduli"
@@ -113,7 +113,7 @@ max-broken = 100
 
 [crack-path]
 
-[stiffness]
+[bond-stiffness]
 """
 
 
@@ -172,7 +172,7 @@ class SceneWords(Case):
     def test_phases(self):
         self.scene(ALL)
         for section, key in (("diffusion", "conductivity"), ("transient", "diffusivity"), ("equilibrium", "young"),
-                             ("fracture", "critical-stretch"), ("dynamics", "young"), ("press", "young"), ("stiffness", "young"),
+                             ("fracture", "critical-stretch"), ("dynamics", "young"), ("press", "young"), ("bond-stiffness", "young"),
                              ("moduli", "young")):
             with self.subTest(section):
                 self.refused("'wal'", "did you mean 'wall'?", f"--{section}.{key}={{ lumen = 1, wall = 1, wal = 1 }}")
@@ -186,7 +186,7 @@ class SceneWords(Case):
         for wrong, meant in (("fracture.peak_stres", "peak_stress"), ("fracture.first_break.strian", "strain"), ("diffusion.effective.u", "x"),
                              ("stress-pdf.tail.thet", "theta"), ("press.worst_energy", "worst_energy_ratio"),
                              ("sample.phases.wal.fraction", "wall"), ("equilibrium.phases.wal.fraction", "wall"), ("sample.sed", "seed"),
-                             ("stiffness.constants.E_x.valu", "value")):
+                             ("bond-stiffness.constants.E_x.valu", "value")):
             with self.subTest(wrong):
                 self.scene(measure % wrong)
                 self.refused("scene.toml:", meant)

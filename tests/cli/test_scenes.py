@@ -263,7 +263,7 @@ class Scenes(Case):
             ("transient", wood % (500, 500) + transient + "at-time = [2e-7, 1e-6]\n", lambda r: 250000 * r["steps"]),
             ("transient", wood % (500, 500) + transient + "at-step = [20, 60]\n", lambda r: 250000 * r["steps"]),
             ("equilibrium", wood % (350, 350) + "[equilibrium]\nyoung = { wall = 1e10 }\n", lambda r: 350 * 350 * r["iterations"]),
-            ("stiffness", wood % (90, 90) + "[stiffness]\nyoung = { wall = 1e10 }\n",
+            ("bond-stiffness", wood % (90, 90) + "[bond-stiffness]\nyoung = { wall = 1e10 }\n",
              lambda r: 5 * 8100 * sum(r["iterations"])),  # on the sample and on one twice as fine
             ("dynamics", wood % (300, 300) + "[dynamics]\nyoung = { wall = 1e10 }\ncritical-stretch = { wall = 0.01 }\n"
              "density = 1500\nvelocity = [\"x-=1,free\"]\nend-time = 1e-8\n", lambda r: 90000 * r["steps"]),
@@ -556,7 +556,7 @@ fraction = "sample.packing_fraction"
             "fracture": ["--sample.count=20", "--bridges.nodes=32", "--sample.seed=1", "--bridges.width=0.75"],
             "dynamics": ["--sample.size=[40, 10]", "--dynamics.end-time=1e-5"],
             "compression": ["--sample.size=[24, 24]", "--compression.strain=0.04", "--compression.at-strain=0.02"],
-            "stiffness": ["--sample.size=[48, 48]", "--sample.solid-fraction=[0.3, 0.4]"],
+            "bond-stiffness": ["--sample.size=[48, 48]", "--sample.solid-fraction=[0.3, 0.4]"],
         }
         self.assertEqual(sorted(small), sorted(name[:-5] for name in os.listdir(EXAMPLES) if name.endswith(".toml")))
         for name, words in small.items():

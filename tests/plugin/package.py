@@ -487,7 +487,7 @@ class Diffusion(unittest.TestCase):
                 "spacing": lambda: lamella.from_array(np.ones((8, 12), int), spacing=value),
                 "conductivity": lambda: lamella.diffusion(cells, phases),
                 "diffusivity": lambda: lamella.transient(cells, phases, 1),
-                "Young": lambda: lamella.stiffness(cells, young={"wall": value}),
+                "Young": lambda: lamella.bond_stiffness(cells, young={"wall": value}),
                 "in steps of|strain step": lambda: lamella.fracture(cells, **bonds, strain_step=value),
                 "times the stable one|step share": lambda: lamella.dynamics(cells, **moving, step_share=value),
                 "density": lambda: lamella.dynamics(cells, **bonds, density=value),
@@ -954,8 +954,8 @@ class Bonds(unittest.TestCase):
             more = {"young": young} if name == "bond_stress" else {}
             with self.subTest(name), self.assertRaisesRegex(TypeError, rf"^{name}\(\) got an unexpected keyword argument 'nosuchword'"):
                 function(*[sample for _ in needed], **more, nosuchword=1)
-        with self.assertRaisesRegex(TypeError, r"^stiffness\(\) got an unexpected keyword argument 'periodic'"):
-            lamella.stiffness(sample, young, periodic="x")
+        with self.assertRaisesRegex(TypeError, r"^bond_stiffness\(\) got an unexpected keyword argument 'periodic'"):
+            lamella.bond_stiffness(sample, young, periodic="x")
         with self.assertRaisesRegex(ValueError, "young is 0; it is above 0, or None"):
             lamella.compression(sample, young=0)
         with self.assertRaises(ZeroDivisionError):  # not lost in VTK
@@ -992,10 +992,10 @@ class Bonds(unittest.TestCase):
         with self.assertRaises(lamella.Cancelled):
             lamella.fracture(sample, young, **breaks, progress=lambda share, text: False)
 
-    def test_stiffness(self):
+    def test_bond_stiffness(self):
         layers = lamella.laminate(size=(32, 32), axis="y", cells=1)
         young = {"matrix": 1e9, "inclusion": 4e9}
-        result = lamella.stiffness(layers, young, mixing="harmonic")
+        result = lamella.bond_stiffness(layers, young, mixing="harmonic")
         self.assertEqual(result.stiffness.shape, (3, 3))
         self.assertEqual(result.components, ["xx", "yy", "xy"])
         exact = 1.6e9 * 1.125  # in series; bonds are isotropic, of Poisson's ratio 1/3
@@ -1012,15 +1012,15 @@ class Bonds(unittest.TestCase):
         self.assertEqual((result.crosses, result.resisting, result.loose_pieces), ("xy", 3, (0, 0)))
         self.assertEqual([round(step["every"]) for step in result.steps], [1, 2, 3, 4])
         self.assertEqual(sorted(result.mismatch), ["x", "y"])
-        quick = lamella.stiffness(layers, young, mixing="harmonic", estimate_error=False)
+        quick = lamella.bond_stiffness(layers, young, mixing="harmonic", estimate_error=False)
         self.assertTrue(np.isnan(quick.estimated_error) and np.isnan(quick.extrapolated).all())
         np.testing.assert_allclose(quick.stiffness, result.stiffness)
         with self.assertRaisesRegex(TypeError, "periodic"):
-            lamella.stiffness(layers, young, periodic="x")
+            lamella.bond_stiffness(layers, young, periodic="x")
         with self.assertRaisesRegex(lamella.LamellaError, "no material is given for bonds of"):
-            lamella.stiffness(layers, young)
+            lamella.bond_stiffness(layers, young)
         with self.assertRaises(lamella.Cancelled):
-            lamella.stiffness(layers, young, mixing="harmonic", progress=lambda share, text: False)
+            lamella.bond_stiffness(layers, young, mixing="harmonic", progress=lambda share, text: False)
 
     def test_arrays_and_pairs(self):
         picture = np.ones((40, 40), int)

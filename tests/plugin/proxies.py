@@ -198,11 +198,11 @@ self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
         self.assertAlmostEqual(field(collapse, "first_collapse_strain")[0], 0.3, places=6)
         self.assertEqual(field(collapse, "lumen_collapsed"), [count])
 
-    def test_stiffness(self):
+    def test_bond_stiffness(self):
         tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[84, 96, 1])
         cell = pv.BondStiffness(Input=tissue)  # Young's modulus of walls
         cell.UpdatePipeline()
-        expected = lamella.stiffness(servermanager.Fetch(tissue), {"wall": 1e10})
+        expected = lamella.bond_stiffness(servermanager.Fetch(tissue), {"wall": 1e10})
         np.testing.assert_allclose(field(cell, "constants"), list(expected.constants.values()), rtol=1e-9)
         tensor = servermanager.Fetch(cell, idx=1)
         self.assertAlmostEqual(tensor.GetColumnByName("xx").GetValue(0) / expected.stiffness[0, 0], 1)
@@ -210,7 +210,7 @@ self.GetOutputInformation(0).Set(pipeline.TIME_RANGE(), [0.2, 0.6], 2)
         self.assertEqual(constants.GetColumnByName("constant").GetValue(0), "E_x")
         own = pv.BondStiffness(Input=tissue, YoungsModuli=["wall", "2e10"], EstimateError=0, Micromodulus="Lattice: exact along the axes")
         own.UpdatePipeline()
-        lattice = lamella.stiffness(servermanager.Fetch(tissue), {"wall": 2e10}, micromodulus="lattice", estimate_error=False)
+        lattice = lamella.bond_stiffness(servermanager.Fetch(tissue), {"wall": 2e10}, micromodulus="lattice", estimate_error=False)
         self.assertAlmostEqual(field(own, "stiffness")[0] / lattice.stiffness[0, 0], 1, places=9)
         self.assertNotAlmostEqual(lattice.stiffness[0, 0] / expected.stiffness[0, 0] / 2, 1, places=2)
 

@@ -21,8 +21,8 @@ SECTIONS = (
     ("Diffusion", ("diffusion", "transient", "flux_map", "DiffusionResult", "TransientResult", "TransientState",
                    "FluxMapResult")),
     ("Bonds: stiffness and fracture", (
-        "equilibrium", "fracture", "dynamics", "stiffness", "bond_stress", "EquilibriumResult", "FractureResult",
-        "FractureState", "DynamicsResult", "MotionState", "StiffnessResult", "BondStressResult")),
+        "equilibrium", "fracture", "dynamics", "bond_stiffness", "bond_stress", "EquilibriumResult", "FractureResult",
+        "FractureState", "DynamicsResult", "MotionState", "BondStiffnessResult", "BondStressResult")),
     ("Material points: compression", ("compression", "point_stiffness", "CompressionResult", "PointState",
                                       "PointStiffnessResult")),
     ("What results tell", (

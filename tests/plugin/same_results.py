@@ -159,9 +159,9 @@ class SameResults(unittest.TestCase):
         self.run_program("dynamics", "t.vti", *BOND_WORDS, "--density", "1500", "--max-broken", "5", "-o", "m.vti")
         self.same("m.vti", lamella.dynamics(self.sample, density=1500, max_broken=5, **BONDS).vtk)
 
-    def test_stiffness(self):
-        self.run_program("stiffness", "t.vti", "--young", "wall=10GPa", "--no-error-estimate", "-o", "s.csv")
-        found = lamella.stiffness(self.sample, {"wall": 1e10}, estimate_error=False)
+    def test_bond_stiffness(self):
+        self.run_program("bond-stiffness", "t.vti", "--young", "wall=10GPa", "--no-error-estimate", "-o", "s.csv")
+        found = lamella.bond_stiffness(self.sample, {"wall": 1e10}, estimate_error=False)
         wrote = csv(self.path("s.csv"))
         tensor = np.array([[float(wrote[name][row]) for name in list(wrote)[1:4]] for row in range(3)])
         np.testing.assert_array_equal(tensor, np.asarray(found.stiffness)[:3, :3])

@@ -78,7 +78,7 @@ def doors():
         ("fracture", bond_words, bonds, lamella.fracture, "lateral-ratio", "0.5", 0.5),
         ("fracture", bond_words, bonds, lamella.fracture, "stop", "1", 1),
         ("dynamics", bond_words, bonds, lamella.dynamics, "damping", "2", 2),
-        ("stiffness", bond_words[:2], {"young": {"wall": 1e10}}, lamella.stiffness, "tolerance", "0", 0),
+        ("bond-stiffness", bond_words[:2], {"young": {"wall": 1e10}}, lamella.bond_stiffness, "tolerance", "0", 0),
         ("compression", [], {}, lamella.compression, "strain", "1", 1),
         ("compression", [], {}, lamella.compression, "transfer", "flop", "flop"),
         ("pore-flood-fill", [], {}, lamella.pore_flood_fill, "minimum-size", "-2", -2),
@@ -93,7 +93,7 @@ PROXIES = {
     ("equilibrium", "horizon"): ("BondEquilibrium", "Horizon"),
     ("fracture", "stop"): ("BondFracture", "StopShare"),
     ("dynamics", "damping"): ("BondDynamics", "Damping"),
-    ("stiffness", "tolerance"): ("BondStiffness", "Tolerance"),
+    ("bond-stiffness", "tolerance"): ("BondStiffness", "Tolerance"),
     ("compression", "strain"): ("PointCompression", "Strain"),
     ("pore-flood-fill", "minimum-size"): ("PoreFloodFill", "MinimumSize"),
 }

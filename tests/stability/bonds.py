@@ -112,7 +112,7 @@ def stiffness(setting):
     young, names, words = materials(setting, sample, voids, widest)
     horizon = setting.one_of(1, 1.5, 2, 3, 3, 4)
     continuum = "space" if dimension == 3 else setting.one_of("plane-stress", "plane-strain")
-    command = ["stiffness", *sample.words(names), *words, "--micromodulus", "continuum", "--horizon", horizon, "--continuum", continuum]
+    command = ["bond-stiffness", *sample.words(names), *words, "--micromodulus", "continuum", "--horizon", horizon, "--continuum", continuum]
     command += ["--no-error-estimate"] if setting.chance(0.7) else []
     command += ["--threads", "2"] if setting.chance(0.1) else []
     answer = setting.lamella(*command)

@@ -27,7 +27,7 @@ SOLVERS = {  # and how many of a hundred settings
     "diffusion": (conduction.diffusion, 18),
     "transient": (conduction.transient, 10),
     "outlines": (conduction.outlines, 8),
-    "stiffness": (bonds.stiffness, 12),
+    "bond-stiffness": (bonds.stiffness, 12),
     "equilibrium": (bonds.equilibrium, 12),
     "fracture": (bonds.fracture, 8),
     "dynamics": (bonds.dynamics, 8),

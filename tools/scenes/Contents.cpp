@@ -75,7 +75,7 @@ const std::map<std::string, std::string>& reports()
       "thin_wall_share warnings bytes_per_point updates_per_second setup_seconds run_seconds constants{*} components "
       "stiffness grid_nodes iterations residual solve_seconds" +
         goesOn + run },
-    { "stiffness",
+    { "bond-stiffness",
       "components stiffness extrapolated estimated_errors estimated_error error_leaves_out constants{E_*{value:Pa "
       "extrapolated:Pa estimated_error:Pa} "
       "G_*{value:Pa extrapolated:Pa estimated_error:Pa} *{value extrapolated estimated_error}} bounds{voigt reuss} "

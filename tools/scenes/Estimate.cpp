@@ -111,7 +111,7 @@ Cost equilibrium(const std::vector<std::string>& words, const Size& s)
     (flat > 0 ? 5e-6 : 2e-5) * s.nodes * reach(words, s) };
 }
 
-Cost stiffness(const std::vector<std::string>& words, const Size& s)
+Cost bondStiffness(const std::vector<std::string>& words, const Size& s)
 {
   const double cases = s.dimension == 2 ? 3 : 6;
   const double finer = has(words, "no-error-estimate") ? 1 : 1 + std::pow(2, s.dimension);
@@ -153,8 +153,9 @@ Cost compression(const std::vector<std::string>& words, const Size& s)
 const std::map<std::string, std::function<Cost(const std::vector<std::string>&, const Size&)>>& formulas()
 {
   static const std::map<std::string, std::function<Cost(const std::vector<std::string>&, const Size&)>> all{
-    { "diffusion", diffusion }, { "transient", transient }, { "equilibrium", equilibrium }, { "stiffness", stiffness },
-    { "fracture", fracture }, { "dynamics", dynamics }, { "compression", compression }
+    { "diffusion", diffusion }, { "transient", transient }, { "equilibrium", equilibrium },
+    { "bond-stiffness", bondStiffness }, { "fracture", fracture }, { "dynamics", dynamics },
+    { "compression", compression }
   };
   return all;
 }

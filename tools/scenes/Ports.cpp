@@ -31,7 +31,7 @@ const std::vector<Ports>& table()
     { "compression", { { "FILE", "sample", "" } }, {},
       { { "output", "points", ".vtp" }, { "curve", "curve", ".csv" }, { "constants", "constants", ".csv" } }, true,
       true },
-    { "stiffness", { { "FILE", "sample", "" } }, {},
+    { "bond-stiffness", { { "FILE", "sample", "" } }, {},
       { { "output", "tensor", ".csv" }, { "constants", "constants", ".csv" } }, true },
     // filters
     { "flux-map", { { "FILE", "fields", "" } }, {},

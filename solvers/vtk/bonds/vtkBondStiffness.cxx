@@ -225,7 +225,7 @@ void vtkBondStiffness::Run(vtkImageData* input, vtkImageData* output, const lame
   lamella::describeThickness(output, scene, result.thickness);
   settings.periodic = { true, true, dimension == 3 };
   const nlohmann::json model = lamella::describeModel(output, scene, settings);
-  lamella::continueProvenance(output, "stiffness",
+  lamella::continueProvenance(output, "bond-stiffness",
     { { "model", model }, { "estimate_error", this->EstimateError }, { "nodes_per_pixel", this->NodesPerPixel },
       { "tolerance", this->Tolerance } });
   if (team.rank() == 0)

@@ -53,6 +53,7 @@ except ModuleNotFoundError:  # built without pictures
 else:
     _windows.Install()  # does nothing where a display works
 
+from ._bond_stiffness import BondStiffnessResult, bond_stiffness
 from ._collapse import CollapseMapResult, CompressionCurveResult, collapse_map, compression_curve
 from ._compression import CompressionResult, PointState, PointStiffnessResult, compression, point_stiffness
 from ._contours import Contours, LatticeSample, OutlineDiffusionResult, contours, outline_diffusion, read_polygons
@@ -88,11 +89,11 @@ from ._samples import (
     spheres,
 )
 from ._solve import DiffusionResult, diffusion
-from ._stiffness import StiffnessResult, stiffness
 from ._stresses import StressPDFResult, stress_pdf
 from ._transient import TransientResult, TransientState, lattice_boltzmann, transient
 
 __all__ = [
+    "BondStiffnessResult",
     "BondStressResult",
     "Cancelled",
     "CementedSample",
@@ -121,11 +122,11 @@ __all__ = [
     "PointStiffnessResult",
     "PoreFloodFillResult",
     "Sample",
-    "StiffnessResult",
     "StressPDFResult",
     "TransientResult",
     "TransientState",
     "arrays",
+    "bond_stiffness",
     "bond_stress",
     "bridges",
     "checkerboard",
@@ -161,7 +162,6 @@ __all__ = [
     "snapshot",
     "softwood",
     "spheres",
-    "stiffness",
     "stress_pdf",
     "transient",
     "use_preset",

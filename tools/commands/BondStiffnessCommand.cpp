@@ -90,7 +90,7 @@ double largestOf(const std::vector<double>& values)
     values.begin(), values.end(), 0.0, [](double most, double v) { return std::max(most, std::abs(v)); });
 }
 
-std::string stiffnessJson(const BondRun& report)
+std::string bondStiffnessJson(const BondRun& report)
 {
   const BondFields f(report);
   Json json;
@@ -135,7 +135,7 @@ std::string stiffnessJson(const BondRun& report)
   return dump(json);
 }
 
-std::string stiffnessTable(const BondRun& report)
+std::string bondStiffnessTable(const BondRun& report)
 {
   const BondFields f(report);
   std::string text = sampleText(report, false);
@@ -214,7 +214,7 @@ std::string stiffnessTable(const BondRun& report)
   return text;
 }
 
-struct StiffnessOptions
+struct BondStiffnessOptions
 {
   CommonOptions common;
   PictureOptions picture;
@@ -223,7 +223,7 @@ struct StiffnessOptions
   std::string constants;
 };
 
-ResultFiles openFiles(const StiffnessOptions& o, vtkBondStiffness* filter)
+ResultFiles openFiles(const BondStiffnessOptions& o, vtkBondStiffness* filter)
 {
   ResultFiles files;
   files.addTable("-o", o.output, filter->GetTensor(), o.common.overwrite);
@@ -231,7 +231,7 @@ ResultFiles openFiles(const StiffnessOptions& o, vtkBondStiffness* filter)
   return files;
 }
 
-void stiffness(Session& session, const StiffnessOptions& options, const std::string& commandLine)
+void bondStiffness(Session& session, const BondStiffnessOptions& options, const std::string& commandLine)
 {
   const auto start = Clock::now();
   vtkNew<vtkBondStiffness> filter;
@@ -252,17 +252,19 @@ void stiffness(Session& session, const StiffnessOptions& options, const std::str
       BondRun report = bondRun(session, filter, options.picture, options.bonds, sample, commandLine);
       report.written = files.write(io::toJson(report.provenance));
       report.seconds = secondsSince(start);
-      session.print(options.common.json ? stiffnessJson(report) : options.common.quiet ? "" : stiffnessTable(report));
+      session.print(options.common.json ? bondStiffnessJson(report)
+          : options.common.quiet        ? ""
+                                        : bondStiffnessTable(report));
     });
 }
 
 } // namespace
 
-Command stiffnessCommand(CLI::App& root)
+Command bondStiffnessCommand(CLI::App& root)
 {
   CLI::App* app = root.add_subcommand(
-    "stiffness", "Effective stiffness tensor of a picture or volume taken as a cell that repeats, with its error");
-  auto o = std::make_shared<StiffnessOptions>();
+    "bond-stiffness", "Effective stiffness tensor of a cell that repeats, with its error, by bonds (peridynamics)");
+  auto o = std::make_shared<BondStiffnessOptions>();
   addPictureOptions(*app, o->picture);
   addBondOptions(*app, o->bonds, "vtkBondStiffness");
   addResultFile(*app, "-o,--output,--csv", o->output, "Write the tensor, one row a stress");
@@ -270,13 +272,13 @@ Command stiffnessCommand(CLI::App& root)
     *app, "--constants", o->constants, "Write Young's moduli, shear moduli and Poisson's ratios, one row each");
   addResultOptions(*app, o->common);
   addExamples(*app,
-    { "lamella stiffness honeycomb.png --phase 0=void --other wall --young wall=10e9",
-      "lamella stiffness composite.png --young matrix=3e9 --young inclusion=70e9 --mixing harmonic --continuum "
+    { "lamella bond-stiffness honeycomb.png --phase 0=void --other wall --young wall=10e9",
+      "lamella bond-stiffness composite.png --young matrix=3e9 --young inclusion=70e9 --mixing harmonic --continuum "
       "plane-strain --json",
-      "lamella stiffness foam_128x128x128_u8.raw --phase 0=void --other solid --young solid=2e9 --horizon 2 "
+      "lamella bond-stiffness foam_128x128x128_u8.raw --phase 0=void --other solid --young solid=2e9 --horizon 2 "
       "--no-error-estimate",
-      "mpirun -n 2 lamella stiffness tissue.vti --young wall=10e9 -o tensor.csv --constants constants.csv" });
-  return jointCommand(app, o, stiffness);
+      "mpirun -n 2 lamella bond-stiffness tissue.vti --young wall=10e9 -o tensor.csv --constants constants.csv" });
+  return jointCommand(app, o, bondStiffness);
 }
 
 } // namespace lamella::cli

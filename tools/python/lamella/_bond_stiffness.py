@@ -1,4 +1,4 @@
-"""Effective stiffness of a cell that repeats, with its error."""
+"""Effective stiffness of a cell that repeats, with its error, by bonds."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from ._types import Any, Array, Image, Progress, Sequence
 from .vtkLamellaSolversVTK import vtkBondStiffness
 
 
-class StiffnessResult(ImageBase, _arrays.Answer):
+class BondStiffnessResult(ImageBase, _arrays.Answer):
     """``vtk`` is the image with all numbers as field data; ``vtk_tensor`` and ``vtk_constants`` are vtkTables.
 
     Tensors are 3 by 3 of a picture (xx, yy, xy) and 6 by 6 of a volume (xx, yy, zz, yz, xz, xy), shear strains as
@@ -106,13 +106,13 @@ class StiffnessResult(ImageBase, _arrays.Answer):
 
     def __repr__(self) -> str:
         numbers = ", ".join(f"{name} {value:.6g}" for name, value in self.constants.items() if name[0] == "E")
-        return f"<lamella.StiffnessResult: {numbers} Pa, error {100 * self.estimated_error:.2g} %>"
+        return f"<lamella.BondStiffnessResult: {numbers} Pa, error {100 * self.estimated_error:.2g} %>"
 
 
 @declared(vtkBondStiffness, first=("young",), without=(
     "fracture_energy", "toughness", "critical_stretch", "large_strains", "periodic"), formerly={"void_bonds": FORMERLY["void_bonds"]})
-def stiffness(image: Image, settings: Settings, progress: Progress | None = None) -> StiffnessResult:
-    """Effective stiffness tensor of a sample taken as a cell that repeats; returns a StiffnessResult.
+def bond_stiffness(image: Image, settings: Settings, progress: Progress | None = None) -> BondStiffnessResult:
+    """Effective stiffness tensor of a sample taken as a cell that repeats, by bonds; returns a BondStiffnessResult.
 
     image           as equilibrium() takes it, and so are pairs
     progress        called as progress(share, text); return False to cancel (raises Cancelled)
@@ -124,4 +124,4 @@ def stiffness(image: Image, settings: Settings, progress: Progress | None = None
     solve.SetInputData(sample)
     give_bonds(settings, solve, sample)
     run(solve, progress)
-    return StiffnessResult(solve.GetOutput(), solve.GetTensor(), solve.GetConstants())
+    return BondStiffnessResult(solve.GetOutput(), solve.GetTensor(), solve.GetConstants())

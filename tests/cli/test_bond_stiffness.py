@@ -1,4 +1,4 @@
-"""lamella stiffness: tensor, errors, tables, several ranks, grains; what is doubtful and what is refused."""
+"""lamella bond-stiffness: tensor, errors, tables, several ranks, grains; what is doubtful and what is refused."""
 
 import csv
 import json
@@ -7,12 +7,12 @@ import unittest
 import pictures
 from program import Case
 
-STONE = ["stiffness", "stone.png", "--phase", "255=stone", "--young", "stone=2e9"]
-LAYERS = ["stiffness", "layers.png", "--phase", "0=soft", "--phase", "255=hard", "--young", "soft=1e9", "--young", "hard=4e9",
+STONE = ["bond-stiffness", "stone.png", "--phase", "255=stone", "--young", "stone=2e9"]
+LAYERS = ["bond-stiffness", "layers.png", "--phase", "0=soft", "--phase", "255=hard", "--young", "soft=1e9", "--young", "hard=4e9",
           "--mixing", "harmonic"]
 
 
-class Stiffness(Case):
+class BondStiffness(Case):
     def setUp(self):
         super().setUp()
         self.write("stone.png", pictures.png([[255] * 32 for _ in range(32)], pixels_per_metre=100000))
@@ -90,7 +90,7 @@ class Stiffness(Case):
     def test_volume(self):
         slices = bytes(1 if z < 8 else 0 for z in range(12) for _ in range(16))
         self.write("v_4x4x12_u8.raw", slices)
-        result = self.run_lamella("stiffness", "v_4x4x12_u8.raw", "--phase", "0=soft", "--phase", "1=hard", "--young",
+        result = self.run_lamella("bond-stiffness", "v_4x4x12_u8.raw", "--phase", "0=soft", "--phase", "1=hard", "--young",
                                   "soft=1e9", "--young", "hard=4e9", "--mixing", "harmonic", "--horizon", "2", "--json")
         self.assertEqual(result.code, 0, result.err)
         self.assertNotIn("warning", result.err)  # of 4 pixels along x and y, along which nothing changes
@@ -107,7 +107,7 @@ class Stiffness(Case):
     def test_ranks_change_nothing(self):
         self.run_lamella("packing", "--count", "40", "--seed", "2", "-o", "p.vtp")  # so few grains: a warning
         self.works("bridges", "p.vtp", "--filled", "--nodes", "64", "-o", "grains.vti")
-        words = ["stiffness", "grains.vti", "--young", "matrix=1e9", "--young", "grain=4e9", "--like", "matrix-grain=matrix",
+        words = ["bond-stiffness", "grains.vti", "--young", "matrix=1e9", "--young", "grain=4e9", "--like", "matrix-grain=matrix",
                  "--like", "grain-grain=matrix", "--tolerance", "1e-10", "--window", "0,1,64,120", "--json"]
         one = self.run_lamella(*words).json()
         for other in (self.run_lamella(*words, ranks=2).json(), self.run_lamella(*words, "--threads", "2").json()):
@@ -122,7 +122,7 @@ class Stiffness(Case):
     def test_what_has_no_stiffness(self):
         def picture(name, solid):
             self.write(name, pictures.png([[255 if solid(x, y) else 0 for x in range(32)] for y in range(32)]))
-            return ["stiffness", name, "--phase", "0=void", "--phase", "255=wall", "--young", "wall=1e9", "--json"]
+            return ["bond-stiffness", name, "--phase", "0=void", "--phase", "255=wall", "--young", "wall=1e9", "--json"]
 
         result = self.run_lamella(*picture("beam.png", lambda x, y: 12 <= y < 20))
         self.assertEqual(result.code, 0, result.err)
@@ -144,7 +144,7 @@ class Stiffness(Case):
     def test_far_below_what_the_solver_resolves(self):
         # hard columns parted by soft ones: 1e-9 of what they are side by side, where the residual is 1e-6 of that
         self.write("columns.png", pictures.png([[0 if (x + y // 16) % 8 < 4 else 255 for x in range(32)] for y in range(32)]))
-        result = self.run_lamella("stiffness", "columns.png", "--phase", "0=soft", "--phase", "255=hard", "--young", "soft=1",
+        result = self.run_lamella("bond-stiffness", "columns.png", "--phase", "0=soft", "--phase", "255=hard", "--young", "soft=1",
                                   "--young", "hard=1e12", "--mixing", "harmonic", "--no-error-estimate")
         self.assertEqual(result.code, 0, result.err)
         self.assertIn("so far below what its phases have side by side", result.err)
