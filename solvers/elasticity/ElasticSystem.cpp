@@ -746,8 +746,11 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       ++result.iterations;
       const double unit = load.initial ? fallen : std::max(whole - fallen, 1e-12 * whole);
       result.solverError = std::min(1.0, std::accumulate(falls.begin(), falls.end(), 0.0) / unit);
-      converged = (result.iterations >= delay && result.solverError <= options_.tolerance) ||
-        alpha * rz <= nothing * options_.tolerance * unit; // layers are exact after a step or two
+      const bool enough = result.iterations >= delay && result.solverError <= options_.tolerance;
+      // layers are exact after a step or two; and below rounding there is nothing to be had
+      if (!enough && (alpha * rz <= nothing * options_.tolerance * unit || !(rr > floor)))
+        result.solverError = std::min(1.0, alpha * rz / unit);
+      converged = enough || alpha * rz <= nothing * options_.tolerance * unit;
       if (options_.progress && !options_.progress(result.iterations, result.solverError))
         throw Cancelled();
     }

@@ -2,6 +2,7 @@
 
 #include "elasticity/ElasticConstants.h"
 
+#include <cstdint>
 #include <limits>
 #include <span>
 #include <vector>
@@ -32,6 +33,17 @@ struct SubsampleTensors
 {
   double stride = 2;
   std::vector<std::vector<double>> tensors;
+};
+
+/// The solves of a study: of the sample, or of the pictures of one stride.
+struct StiffnessStep
+{
+  double every = 1;                     ///< pixels between those that are used, about; 1: the sample
+  int pictures = 1;                     ///< how many were solved
+  std::int64_t nodes = 0;               ///< of all of them
+  std::vector<double> stiffness;        ///< [Pa], components², mean of them
+  std::vector<std::int64_t> iterations; ///< one a unit strain, sums
+  double seconds = 0;                   ///< wall, all of it
 };
 
 /// What a method's error is made of.

@@ -171,7 +171,7 @@ private:
   using Axes = std::span<const std::array<float, 3>>;
   struct Solved
   {
-    VoxelStiffnessStep step;
+    StiffnessStep step;
     Eigen::MatrixXd tensor;   ///< as solved
     std::vector<double> held; ///< mean stress of the box that expands by a unit and is not let
     std::array<double, n * n> voigt{};
@@ -422,7 +422,7 @@ private:
       for (std::size_t a = 0; a < D; ++a)
         edge[a] = lattice_.aspect[a] / lattice_.aspect[0];
       system.forFields(own,
-        [&](std::int64_t row, std::int64_t plane, const double* const* displacement, const double* const* strains,
+        [&](std::int64_t row, std::int64_t plane, const double* const* displacement, const double* const* inside,
           const double* const* stresses)
         {
           const std::int64_t nx = lattice_.size[0];
@@ -446,7 +446,7 @@ private:
               moved[static_cast<std::size_t>(c)][i] = metre * u;
             }
           }
-          options_.fields(row, plane, moved.data(), strains, stresses);
+          options_.fields(row, plane, moved.data(), inside, stresses);
         });
     }
     loaded.seconds = seconds() - start;
@@ -714,8 +714,7 @@ private:
       for (std::size_t a = 0; a < D; ++a)
         varying.size[a] = matters[a] ? p.size[a] : 1;
       SubsampleTensors answer{ thinning.stride, {} };
-      VoxelStiffnessStep sum{ thinning.stride, 0, 0, std::vector<double>(n * n, 0.0), std::vector<std::int64_t>(n, 0),
-        0 };
+      StiffnessStep sum{ thinning.stride, 0, 0, std::vector<double>(n * n, 0.0), std::vector<std::int64_t>(n, 0), 0 };
       for (const auto& first : subsampleStarts(varying, stride, fewPictures))
       {
         const Thinned picture = thinned(thinning, first);

@@ -86,16 +86,6 @@ struct VoxelLoaded
   double seconds = 0;
 };
 
-struct VoxelStiffnessStep
-{
-  double every = 1;                     ///< pixels between those that are used, about; 1: the box
-  int pictures = 1;                     ///< how many were solved
-  std::int64_t nodes = 0;               ///< voxels of all of them
-  std::vector<double> stiffness;        ///< [Pa], components², mean of them
-  std::vector<std::int64_t> iterations; ///< one a unit strain, sums
-  double seconds = 0;                   ///< wall
-};
-
 struct VoxelStiffness
 {
   /// Components² by rows, Voigt's order, shears as angles [Pa]; symmetric. Between platens the diagonal alone: stress
@@ -110,7 +100,7 @@ struct VoxelStiffness
   double solverError = 0; ///< of the energies, relative: the largest
   ElasticConstants constants;
   StiffnessError error;
-  std::vector<VoxelStiffnessStep> steps; ///< every solve, in order
+  std::vector<StiffnessStep> steps; ///< every solve, in order
 
   std::int64_t solidVoxels = 0;
   std::int64_t pieces = 0;                       ///< of the solid, over faces of voxels

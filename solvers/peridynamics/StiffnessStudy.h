@@ -29,16 +29,7 @@ struct StiffnessOptions
 /// it has by then counts; if it has nothing by then, the error is not known.
 inline constexpr double workOfEstimate = 4;
 
-/// The solves of a study: of the sample, or of the pictures of one stride.
-struct StiffnessStep
-{
-  double every = 1;                     ///< pixels between those that are used, about; 1: the sample
-  int pictures = 1;                     ///< how many were solved
-  std::int64_t nodes = 0;               ///< of all of them
-  std::vector<double> stiffness;        ///< [Pa], components², mean of them
-  std::vector<std::int64_t> iterations; ///< one a unit strain, sums
-  double seconds = 0;                   ///< wall, bonds included
-};
+using elasticity::StiffnessStep;
 
 struct StiffnessResult : SampleCounts
 {

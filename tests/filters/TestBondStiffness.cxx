@@ -100,7 +100,7 @@ TEST_F(BondStiffness, IsTheSolver)
     EXPECT_EQ(fieldNumbers(output, "step_every"), every);
     EXPECT_GT(every.size(), 1U);
     EXPECT_EQ(fieldTexts(output, "pair_names"), (std::vector<std::string>{ "wall", "wall-lamella", "lamella" }));
-    EXPECT_NE(provenance(output).find("\"bond-stiffness\""), std::string::npos);
+    EXPECT_NE(provenance(output).find("\"bond_stiffness\""), std::string::npos);
 
     const std::size_t n = d == 3 ? 6 : 3;
     vtkTable* const tensor = filter->GetTensor();

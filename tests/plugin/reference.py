@@ -20,6 +20,7 @@ SECTIONS = (
     ("Grains", ("packing", "packings", "read_packing", "bridges", "Packing", "CementedSample")),
     ("Diffusion", ("diffusion", "transient", "flux_map", "DiffusionResult", "TransientResult", "TransientState",
                    "FluxMapResult")),
+    ("Elements: stiffness and stresses", ("stiffness", "StiffnessResult")),
     ("Bonds: stiffness and fracture", (
         "equilibrium", "fracture", "dynamics", "bond_stiffness", "bond_stress", "EquilibriumResult", "FractureResult",
         "FractureState", "DynamicsResult", "MotionState", "BondStiffnessResult", "BondStressResult")),

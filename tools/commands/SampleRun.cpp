@@ -17,27 +17,31 @@ void tellDoubts(Session& session, const Sample& sample)
     session.warn(warning);
 }
 
-vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine)
+vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine, const std::vector<std::string>& more)
 {
   const auto image =
     toImageData(refine > 1 ? lamella::refine(sample.image, refine)
                            : PhaseImage{ sample.image.lattice, std::move(sample.image.phase), sample.image.phases });
   if (sample.file != nullptr)
-    carryAlong(image, sample.file, sample.window, refine, { "grain", "axis" });
+  {
+    std::vector<std::string> arrays{ "grain", "axis" };
+    arrays.insert(arrays.end(), more.begin(), more.end());
+    carryAlong(image, sample.file, sample.window, refine, arrays);
+  }
   setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
   setProvenance(image, sample.provenance);
   return image;
 }
 
-ImageSample loadImage(
-  Session& session, const PictureOptions& picture, const SettingOptions& settings, const SampleCheck& check, int refine)
+ImageSample loadImage(Session& session, const PictureOptions& picture, const SettingOptions& settings,
+  const SampleCheck& check, int refine, const std::vector<std::string>& more)
 {
   Sample sample = loadSample(picture, check);
   Session::checkInterrupt();
   settings.checkNames(sample.image.phases.names());
   tellDoubts(session, sample);
   ImageSample result{ nullptr, sample.pixelSizeSource, sample.provenance };
-  result.image = imageOf(sample, refine);
+  result.image = imageOf(sample, refine, more);
   result.image->GetExtent(result.extent.data());
   return result;
 }

@@ -16,9 +16,10 @@ namespace lamella::cli
 void tellDoubts(Session& session, const Sample& sample);
 
 /// The sample as an image, each pixel split in so many along each axis, with what solvers ask of it beside phases where
-/// its file is a .vti that has it: point arrays `grain` and `axis`. Lattice and names of phases stay in the sample, the
-/// nodes are moved out.
-[[nodiscard]] vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine = 1);
+/// its file is a .vti that has it: point arrays `grain` and `axis`, and `more`. Lattice and names of phases stay in the
+/// sample, the nodes are moved out.
+[[nodiscard]] vtkSmartPointer<vtkImageData> imageOf(
+  Sample& sample, int refine = 1, const std::vector<std::string>& more = {});
 
 /// A sample as filters take it.
 struct ImageSample
@@ -33,6 +34,6 @@ struct ImageSample
 /// @param settings those of the command's class: what they say of phases is held against the sample
 /// @throws as loadSample(); ParameterError for a phase, or a pair, that the sample does not have
 [[nodiscard]] ImageSample loadImage(Session& session, const PictureOptions& picture, const SettingOptions& settings,
-  const SampleCheck& check = {}, int refine = 1);
+  const SampleCheck& check = {}, int refine = 1, const std::vector<std::string>& more = {});
 
 } // namespace lamella::cli

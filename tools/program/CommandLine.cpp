@@ -133,7 +133,7 @@ std::vector<Command> addCommands(CLI::App& root)
 {
   return { generateCommand(root), diffusionCommand(root), transientCommand(root), fluxMapCommand(root),
     packingCommand(root), bridgesCommand(root), equilibriumCommand(root), fractureCommand(root), dynamicsCommand(root),
-    compressionCommand(root), bondStiffnessCommand(root), poreFloodFillCommand(root), micrographCommand(root),
+    compressionCommand(root), stiffnessCommand(root), bondStiffnessCommand(root), poreFloodFillCommand(root), micrographCommand(root),
     stressPdfCommand(root), crackPathCommand(root), compressionCurveCommand(root), collapseMapCommand(root),
     snapshotCommand(root) };
 }

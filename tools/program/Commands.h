@@ -38,6 +38,7 @@ struct Command
 [[nodiscard]] Command dynamicsCommand(CLI::App& root);
 [[nodiscard]] Command fractureCommand(CLI::App& root);
 [[nodiscard]] Command compressionCommand(CLI::App& root);
+[[nodiscard]] Command stiffnessCommand(CLI::App& root);
 [[nodiscard]] Command bondStiffnessCommand(CLI::App& root);
 [[nodiscard]] Command fluxMapCommand(CLI::App& root);
 [[nodiscard]] Command micrographCommand(CLI::App& root);

@@ -75,6 +75,18 @@ const std::map<std::string, std::string>& reports()
       "thin_wall_share warnings bytes_per_point updates_per_second setup_seconds run_seconds constants{*} components "
       "stiffness grid_nodes iterations residual solve_seconds" +
         goesOn + run },
+    { "stiffness",
+      "components stiffness extrapolated estimated_errors estimated_error error_leaves_out constants{E_*{value:Pa "
+      "extrapolated:Pa estimated_error:Pa} "
+      "G_*{value:Pa extrapolated:Pa estimated_error:Pa} *{value extrapolated estimated_error}} bounds{voigt reuss "
+      "hashin_shtrikman{bulk shear}} isotropic{bulk:Pa shear:Pa young:Pa poisson rest} orthotropic{stiffness axes "
+      "rest} "
+      "expansion load{strain stress energy:J/m³ iterations} materials{*} continuum sides eigenvalues resisting "
+      "asymmetry "
+      "crosses{x y z} mismatch{x{seam layers} y{seam layers} z{seam layers}} pieces loose_pieces loose_nodes warnings "
+      "iterations steps solver_error levels nodes solid_nodes bytes setup_seconds solve_seconds load_seconds "
+      "estimate_seconds" +
+        run },
     { "bond-stiffness",
       "components stiffness extrapolated estimated_errors estimated_error error_leaves_out constants{E_*{value:Pa "
       "extrapolated:Pa estimated_error:Pa} "

@@ -122,6 +122,13 @@ Cost bondStiffness(const std::vector<std::string>& words, const Size& s)
   return cost;
 }
 
+Cost stiffness(const std::vector<std::string>& words, const Size& s)
+{
+  const double cases = has(words, "no-tensor") ? 1 : s.dimension == 2 ? 3 : 6;
+  const double all = cases * (has(words, "no-error-estimate") ? 1 : s.dimension == 2 ? 3 : 2);
+  return { "", (s.dimension == 2 ? 50 : 60) * s.nodes, 15 * all * s.nodes, "node iterations", 1e-6 * all * s.nodes };
+}
+
 Cost fracture(const std::vector<std::string>& words, const Size& s)
 {
   // a crack through the sample and what breaks beside it: bonds that cross a section, ten times
@@ -153,7 +160,7 @@ Cost compression(const std::vector<std::string>& words, const Size& s)
 const std::map<std::string, std::function<Cost(const std::vector<std::string>&, const Size&)>>& formulas()
 {
   static const std::map<std::string, std::function<Cost(const std::vector<std::string>&, const Size&)>> all{
-    { "diffusion", diffusion }, { "transient", transient }, { "equilibrium", equilibrium },
+    { "diffusion", diffusion }, { "transient", transient }, { "equilibrium", equilibrium }, { "stiffness", stiffness },
     { "bond-stiffness", bondStiffness }, { "fracture", fracture }, { "dynamics", dynamics },
     { "compression", compression }
   };

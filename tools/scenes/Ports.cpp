@@ -31,6 +31,10 @@ const std::vector<Ports>& table()
     { "compression", { { "FILE", "sample", "" } }, {},
       { { "output", "points", ".vtp" }, { "curve", "curve", ".csv" }, { "constants", "constants", ".csv" } }, true,
       true },
+    { "stiffness", { { "FILE", "sample|fields", "" } }, {},
+      { { "output", "fields", ".vti" }, { "tensor", "tensor", ".csv" }, { "constants", "constants", ".csv" },
+        { "directions", "paths", ".vtp" } },
+      true },
     { "bond-stiffness", { { "FILE", "sample", "" } }, {},
       { { "output", "tensor", ".csv" }, { "constants", "constants", ".csv" } }, true },
     // filters

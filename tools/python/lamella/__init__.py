@@ -14,7 +14,7 @@ off.)
 It is a thin layer: every function sets up one of the VTK classes that the package also holds (``vtkPictureReader``,
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkMicrographContours``,
 ``vtkMicrographLattice``, ``vtkOutlineDiffusion``, ``vtkSteadyDiffusion``, ``vtkLatticeBoltzmann``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
-``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondDynamics``, ``vtkBondStiffness``, ``vtkPointCompression``,
+``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondDynamics``, ``vtkBondStiffness``, ``vtkVoxelStiffness``, ``vtkPointCompression``,
 ``vtkPointStiffness``, ``vtkStressPDF``, ``vtkCrackPath``, ``vtkCompressionCurve``, ``vtkCollapseMap``,
 ``vtkFileConverter`` ...),
 runs it and hands its output out as numpy arrays.
@@ -89,6 +89,7 @@ from ._samples import (
     spheres,
 )
 from ._solve import DiffusionResult, diffusion
+from ._stiffness import StiffnessResult, stiffness
 from ._stresses import StressPDFResult, stress_pdf
 from ._transient import TransientResult, TransientState, lattice_boltzmann, transient
 
@@ -122,6 +123,7 @@ __all__ = [
     "PointStiffnessResult",
     "PoreFloodFillResult",
     "Sample",
+    "StiffnessResult",
     "StressPDFResult",
     "TransientResult",
     "TransientState",
@@ -162,6 +164,7 @@ __all__ = [
     "snapshot",
     "softwood",
     "spheres",
+    "stiffness",
     "stress_pdf",
     "transient",
     "use_preset",

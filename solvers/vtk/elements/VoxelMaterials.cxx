@@ -1,0 +1,244 @@
+#include "VoxelMaterials.h"
+
+#include "core/Error.h"
+#include "core/Parse.h"
+#include "lattice/PhaseNames.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <sstream>
+
+namespace lamella
+{
+namespace
+{
+
+namespace el = elasticity;
+
+constexpr double usualRatio = 0.3;
+
+/// The upper triangle of a tensor that is written as its numbers.
+el::PhaseStiffness tensorOf(const std::string& text, int dimension, const std::string& phase)
+{
+  std::vector<double> numbers;
+  std::istringstream words(text);
+  for (std::string word; words >> word;)
+  {
+    const std::optional<double> value = toNumber(word);
+    if (!value)
+      throw ParameterError(fmt::format("'{}' of the stiffness of '{}' is no number", word, phase),
+        "give numbers [Pa] with spaces between them");
+    numbers.push_back(*value);
+  }
+  if (dimension == 2 && numbers.size() == 4) // C11 C12 C22 C66
+    return { numbers[0], numbers[1], 0, numbers[2], 0, numbers[3] };
+  if (dimension == 3 && numbers.size() == 3) // cubic
+    numbers = { numbers[0], numbers[1], numbers[1], numbers[0], numbers[1], numbers[0], numbers[2], numbers[2],
+      numbers[2] };
+  if (dimension == 3 && numbers.size() == 9)
+    return { numbers[0], numbers[1], numbers[2], 0, 0, 0, numbers[3], numbers[4], 0, 0, 0, numbers[5], 0, 0, 0,
+      numbers[6], 0, 0, numbers[7], 0, numbers[8] };
+  if (numbers.size() != (dimension == 3 ? 21U : 6U))
+    throw ParameterError(fmt::format("{} numbers for the stiffness of '{}'", numbers.size(), phase),
+      dimension == 3 ? "give 21, the upper triangle by rows; 9 of an orthotropic one or 3 of a cubic one"
+                     : "give 6, the upper triangle by rows; 4 of an orthotropic one");
+  return numbers;
+}
+
+} // namespace
+
+VoxelMaterials::VoxelMaterials(const VoxelSettings& s, const PhaseIds& phases, std::span<const std::int64_t> nodes)
+  : strain_(s.continuum == el::Continuum::PlaneStrain)
+{
+  const std::vector<std::string>& names = phases.names;
+  requireVoids(phases, s.voids);
+  for (const std::string& name : s.rigid)
+    requirePhase(phases, name, fmt::format("'{}' is to be rigid, and is no phase of this image", name));
+  const auto listed = [&](const std::vector<std::string>& list, std::size_t id)
+  { return std::ranges::any_of(list, [&](const std::string& name) { return phaseMeant(names, name) == id; }); };
+  const int dimension = el::dimensionOf(s.continuum);
+  bool allIsotropic = true;
+  std::vector<std::string> lacking;
+  for (std::size_t id = 0; id < names.size(); ++id)
+  {
+    const auto of = [&](const VoxelSettings::Values& table) -> const double*
+    {
+      const auto found = entryOf(table, names, id);
+      return found != table.end() ? &found->second : nullptr;
+    };
+    el::VoxelMaterial material;
+    Phase phase;
+    const double* const young = of(s.young);
+    const auto components = entryOf(s.stiffness, names, id);
+    const bool full = components != s.stiffness.end();
+    const bool rigid = listed(s.rigid, id);
+    bool isVoid = s.voids.empty() ? isVoidName(names[id]) && young == nullptr && !full && !rigid : listed(s.voids, id);
+    isVoid = isVoid || (young != nullptr && *young == 0);
+    const auto refuse = [&](const char* both)
+    { throw ParameterError(fmt::format("'{}' {}", names[id], both), "say one thing of each phase"); };
+    if (rigid && (isVoid || young != nullptr || full))
+      refuse(isVoid ? "is to be void and rigid" : "is to be rigid and has a stiffness");
+    if (full && young != nullptr)
+      refuse("has components of its stiffness and a Young's modulus");
+    if (isVoid && full)
+      refuse("is to be void and has a stiffness");
+    if (isVoid && young != nullptr && *young != 0)
+      refuse("is to be void and has a Young's modulus");
+    const double* const across = of(s.youngAcross);
+    const double* const shear = of(s.shear);
+    const double* const poisson = of(s.poisson);
+    const double* const poissonAcross = of(s.poissonAcross);
+    const double* const expansion = of(s.expansion);
+    const double* const expansionAcross = of(s.expansionAcross);
+    for (const auto& [value, what] : { std::pair{ shear, "shear modulus along an axis" },
+           { poissonAcross, "Poisson's ratio across an axis" }, { expansionAcross, "expansion across an axis" } })
+      if (value != nullptr && across == nullptr && nodes[id] > 0)
+        throw ParameterError(fmt::format("'{}' has a {}, and no Young's modulus across it", names[id], what),
+          "give its Young's modulus across the axis too, or leave that out");
+    if (across != nullptr && young == nullptr && nodes[id] > 0)
+      throw ParameterError(
+        fmt::format("'{}' has a Young's modulus across its axis, and none along it", names[id]), "give both");
+    material.stiffness = el::voidStiffness(s.continuum);
+    phase.expansion = { expansion != nullptr ? *expansion : 0.0,
+      expansionAcross != nullptr ? *expansionAcross
+        : expansion != nullptr   ? *expansion
+                                 : 0.0 };
+    if (!std::isfinite(phase.expansion[0]) || !std::isfinite(phase.expansion[1]))
+      throw ParameterError(fmt::format("an expansion of '{}' that is not finite", names[id]), "give a finite number");
+    nlohmann::json& told = told_[names[id]];
+    if (rigid)
+    {
+      material.rigid = true;
+      told["rigid"] = true;
+      allIsotropic = allIsotropic && nodes[id] == 0;
+    }
+    else if (full)
+    {
+      material.stiffness = tensorOf(components->second, dimension, names[id]);
+      told["stiffness"] = material.stiffness;
+      el::requireStable(s.continuum, material.stiffness, fmt::format("'{}'", names[id]).c_str());
+      allIsotropic = allIsotropic && nodes[id] == 0;
+    }
+    else if (!isVoid && young != nullptr && nodes[id] > 0)
+    {
+      el::TransverseMaterial& m = phase.constants;
+      phase.plain = true;
+      m.youngAlong = m.youngAcross = *young;
+      m.poissonAlong = m.poissonAcross = poisson != nullptr ? *poisson : usualRatio;
+      told["young"] = *young;
+      told["poisson"] = m.poissonAlong;
+      try
+      {
+        if (across == nullptr)
+        {
+          material.stiffness = el::isotropicStiffness(s.continuum, *young, m.poissonAlong);
+          m.shearAlong = *young / (2 * (1 + m.poissonAlong));
+        }
+        else
+        {
+          phase.transverse = turn_ = true;
+          allIsotropic = false;
+          m.youngAcross = *across;
+          m.poissonAcross = poissonAcross != nullptr ? *poissonAcross : usualRatio;
+          m.shearAlong =
+            shear != nullptr ? *shear : 1 / (1 / m.youngAlong + 1 / m.youngAcross + 2 * m.poissonAlong / m.youngAlong);
+          material.stiffness = el::transverseStiffness(s.continuum, m, { 1, 0, 0 });
+          material.axial = el::axialModuli(s.continuum, m);
+          told["young_across"] = m.youngAcross;
+          told["poisson_across"] = m.poissonAcross;
+          told["shear"] = m.shearAlong;
+        }
+      }
+      catch (const ParameterError& error)
+      {
+        throw ParameterError(fmt::format("{} of phase '{}'", error.what(), names[id]), error.hint());
+      }
+    }
+    else if (!isVoid && nodes[id] > 0)
+      lacking.push_back(names[id]);
+    if (isVoid)
+      told["void"] = true;
+    if (phase.expansion[0] != 0 || phase.expansion[1] != 0)
+    {
+      told["expansion"] = phase.expansion[0];
+      if (phase.transverse)
+        told["expansion_across"] = phase.expansion[1];
+      const std::array<double, 2> plane =
+        phase.plain ? el::planeExpansion(s.continuum, phase.constants, phase.expansion) : phase.expansion;
+      if (phase.transverse)
+        material.expansion = { plane[0], plane[1] };
+      else if (!isVoid && !rigid)
+      {
+        if (full && strain_)
+          throw ParameterError(
+            fmt::format("the expansion of '{}' in plane strain, of a tensor of the plane alone", names[id]),
+            "give it constants, or take plane stress");
+        material.expansion.assign(material.stiffness.size() == 21 ? 6 : 3, 0.0);
+        std::fill_n(material.expansion.begin(), dimension, plane[1]);
+      }
+    }
+    if (told.is_null() || nodes[id] == 0)
+      told_.erase(names[id]);
+    materials_.push_back(std::move(material));
+    phases_.push_back(phase);
+    void_.push_back(isVoid);
+  }
+  if (!lacking.empty())
+    throw ParameterError(fmt::format("{} '{}' {} no Young's modulus", lacking.size() > 1 ? "phases" : "phase",
+                           fmt::join(lacking, "', '"), lacking.size() > 1 ? "have" : "has"),
+      "give each one, make it void or rigid, or give the components of its stiffness");
+  if (!allIsotropic)
+    return;
+  for (std::size_t id = 0; id < names.size(); ++id)
+  {
+    const auto& c = materials_[id].stiffness;
+    const std::size_t last = c.size() - 1;
+    const double lambda = c[1];
+    const double mu = c[last];
+    isotropic_.bulk.push_back(lambda + 2 * mu / dimension);
+    isotropic_.shear.push_back(mu);
+  }
+}
+
+double VoxelMaterials::outOfPlane(
+  std::uint8_t id, double xx, double yy, double xy, const std::array<float, 3>& axis, double change) const
+{
+  const Phase& phase = phases_[id];
+  if (!strain_ || !phase.plain)
+    return strain_ && !void_[id] && !materials_[id].rigid ? std::numeric_limits<double>::quiet_NaN() : 0.0;
+  const el::TransverseMaterial& m = phase.constants;
+  const auto x = static_cast<double>(axis[0]);
+  const auto y = static_cast<double>(axis[1]);
+  const double square = phase.transverse ? x * x + y * y : 1;
+  const double along = phase.transverse ? (xx * x * x + yy * y * y + 2 * xy * x * y) / square : xx;
+  const double across = xx + yy - along;
+  // strain zz = 0 = −ν σ_along/E_along − ν' σ_across/E_across + σ_zz/E_across + expansion
+  return m.poissonAlong * m.youngAcross / m.youngAlong * along + m.poissonAcross * across -
+    m.youngAcross * phase.expansion[1] * change;
+}
+
+std::vector<double> voigtVector(const std::map<std::string, double>& components, int dimension, const char* what)
+{
+  if (components.empty())
+    return {};
+  const std::vector<std::string> names = el::voigtNames(dimension);
+  std::vector<double> values(names.size(), std::numeric_limits<double>::quiet_NaN());
+  for (const auto& [name, value] : components)
+  {
+    const auto place = std::ranges::find(names, name);
+    if (place == names.end())
+      throw ParameterError(fmt::format("a {} '{}' of a {}", what, name, dimension == 3 ? "volume" : "picture"),
+        fmt::format("there are {}", fmt::join(names, ", ")));
+    if (!std::isfinite(value))
+      throw ParameterError(fmt::format("a {} {} of {}", what, name, value), "give a finite number");
+    values[static_cast<std::size_t>(place - names.begin())] = value;
+  }
+  return values;
+}
+
+} // namespace lamella

@@ -1,0 +1,76 @@
+#pragma once
+
+#include "PhaseIds.h"
+
+#include "elasticity/VoxelStiffness.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cstdint>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
+
+/// From what people say of phases to the materials of elements. Not installed.
+namespace lamella
+{
+
+struct VoxelSettings
+{
+  using Values = std::map<std::string, double>;
+
+  Values young{}, poisson{}, youngAcross{}, poissonAcross{}, shear{}, expansion{}, expansionAcross{};
+  std::map<std::string, std::string> stiffness{}; ///< by phase: numbers with spaces between them
+  std::vector<std::string> rigid{};
+  std::vector<std::string> voids{}; ///< none: by their names
+  elasticity::Continuum continuum = elasticity::Continuum::PlaneStress;
+};
+
+/// The materials of an image's phases.
+class VoxelMaterials
+{
+public:
+  /// @param nodes by id, how many have it in the whole image; phases without nodes need no material
+  /// @throws ParameterError
+  VoxelMaterials(const VoxelSettings& settings, const PhaseIds& phases, std::span<const std::int64_t> nodes);
+
+  [[nodiscard]] const std::vector<elasticity::VoxelMaterial>& materials() const noexcept { return materials_; }
+  [[nodiscard]] bool turn() const noexcept { return turn_; } ///< some phase follows an axis
+  [[nodiscard]] bool isVoid(std::uint8_t id) const { return id < void_.size() && void_[id]; }
+  /// Constants of each phase that is there, by name.
+  [[nodiscard]] const nlohmann::json& told() const noexcept { return told_; }
+  /// Plane bulk and shear modulus (of volumes the usual ones) by id [Pa]; 0 of voids. Empty: not all are isotropic.
+  struct Isotropic
+  {
+    std::vector<double> bulk, shear;
+  };
+  [[nodiscard]] const Isotropic& isotropic() const noexcept { return isotropic_; }
+  /// Stress out of the plane, in plane strain, of a point's in-plane stress and change; 0 in plane stress.
+  [[nodiscard]] double outOfPlane(
+    std::uint8_t id, double xx, double yy, double xy, const std::array<float, 3>& axis, double change) const;
+
+private:
+  struct Phase
+  {
+    elasticity::TransverseMaterial constants;
+    std::array<double, 2> expansion{ 0, 0 }; ///< along, across
+    bool transverse = false;
+    bool plain = false; ///< constants hold
+  };
+
+  std::vector<elasticity::VoxelMaterial> materials_;
+  std::vector<Phase> phases_;
+  std::vector<bool> void_;
+  bool turn_ = false;
+  bool strain_ = false; ///< plane strain
+  nlohmann::json told_ = nlohmann::json::object();
+  Isotropic isotropic_;
+};
+
+/// Components of a mean strain or stress as numbers in Voigt's order, NaN where they are not given; empty: none is.
+/// @throws ParameterError for a component that there is not
+[[nodiscard]] std::vector<double> voigtVector(
+  const std::map<std::string, double>& components, int dimension, const char* what);
+
+} // namespace lamella

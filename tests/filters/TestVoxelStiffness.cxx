@@ -1,0 +1,388 @@
+// Stiffness by elements through VTK's pipeline: numbers and tables are the solver's; fields of a load; materials as
+// people say them; on distributed images all is that of one rank; what is refused.
+#include "OnRanks.h"
+#include "VtkTesting.h"
+
+#include "elasticity/VoxelStiffness.h"
+#include "vtkVoxelStiffness.h"
+
+#include "vtkExtentTranslator.h"
+#include "vtkFieldData.h"
+#include "vtkFloatArray.h"
+#include "vtkOutputWindow.h"
+#include "vtkPolyData.h"
+#include "vtkTable.h"
+#include "vtkTrivialProducer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <sstream>
+
+namespace
+{
+
+using namespace lamella;
+using vtktest::errorOf;
+using vtktest::picture;
+namespace el = lamella::elasticity;
+
+class VoxelStiffness : public vtktest::OnRanks
+{
+protected:
+  static void SetUpTestSuite()
+  {
+    OnRanks::SetUpTestSuite();
+    vtkOutputWindow::GetInstance()->SetDisplayModeToNever(); // warnings of seams
+  }
+};
+
+/// Layers along the diagonal of two phases, b and c, with a hole of a.
+int phaseAt(int x, int y, int z)
+{
+  return (x - 9) * (x - 9) + (y - 14) * (y - 14) + (z - 4) * (z - 4) < 30 ? 0 : (x + y) % 8 < 4 ? 1 : 2;
+}
+
+vtkSmartPointer<vtkImageData> sample(int nz = 1)
+{
+  const auto image = picture(nz > 1 ? 16 : 24, nz > 1 ? 20 : 32, nz, phaseAt, 1e-5);
+  setFieldTexts(image, "phase_names", std::vector<std::string>{ "void", "wall", "lamella" });
+  return image;
+}
+
+void configure(vtkVoxelStiffness* filter)
+{
+  filter->SetYoungsModulus("wall", 4e9);
+  filter->SetYoungsModulus("lamella", 1e9);
+  filter->SetPoissonsRatio("lamella", 0.4);
+  filter->SetTolerance(1e-10);
+}
+
+std::vector<el::VoxelMaterial> materials(el::Continuum continuum)
+{
+  return { { el::voidStiffness(continuum), {}, false, {} },
+    { el::isotropicStiffness(continuum, 4e9, 0.3), {}, false, {} },
+    { el::isotropicStiffness(continuum, 1e9, 0.4), {}, false, {} } };
+}
+
+TEST_F(VoxelStiffness, IsTheSolver)
+{
+  for (const int nz : { 1, 8 })
+  {
+    SCOPED_TRACE(nz);
+    const auto image = sample(nz);
+    vtkNew<vtkVoxelStiffness> filter;
+    configure(filter);
+    filter->SetInputData(image);
+    ASSERT_EQ(errorOf(filter), "");
+    vtkImageData* const output = filter->GetImage();
+    EXPECT_EQ(vtktest::points(output, "phase"), vtktest::points(image, "phase")); // passed on, not copied
+
+    const PhaseView view = viewPhases(image);
+    const int d = view.lattice.dimension;
+    el::VoxelStiffnessOptions options;
+    options.tolerance = 1e-10;
+    const el::VoxelStiffness r = el::studyVoxelStiffness(
+      view.lattice, view.phase, materials(d == 3 ? el::Continuum::Space : el::Continuum::PlaneStress), {}, options);
+    EXPECT_EQ(fieldNumbers(output, "stiffness"), r.stiffness);
+    EXPECT_EQ(fieldNumbers(output, "stiffness_extrapolated"), r.error.extrapolated);
+    EXPECT_EQ(fieldNumbers(output, "stiffness_error"), r.error.components);
+    EXPECT_EQ(fieldNumbers(output, "stiffness_voigt"), r.voigt);
+    EXPECT_EQ(fieldNumbers(output, "constants"), el::constantValues(r.constants));
+    EXPECT_EQ(filter->GetEstimatedError(), r.error.relative);
+    EXPECT_EQ(fieldTexts(output, "stiffness_components"), el::voigtNames(d));
+    EXPECT_EQ(fieldTexts(output, "warnings"), r.warnings);
+    EXPECT_GT(fieldNumbers(output, "step_every").size(), 1U);
+    EXPECT_NE(provenance(output).find("\"voxel_stiffness\""), std::string::npos);
+    EXPECT_EQ(output->GetPointData()->GetArray("stress"), nullptr); // no load
+
+    const std::size_t n = d == 3 ? 6 : 3;
+    vtkTable* const tensor = filter->GetTensor();
+    ASSERT_EQ(tensor->GetNumberOfRows(), static_cast<vtkIdType>(n));
+    ASSERT_EQ(tensor->GetNumberOfColumns(), static_cast<vtkIdType>(1 + 3 * n));
+    EXPECT_EQ(tensor->GetValueByName(1, "yy").ToDouble(), r.stiffness[n + 1]);
+    vtkTable* const constants = filter->GetConstants();
+    ASSERT_EQ(constants->GetNumberOfRows(), d == 3 ? 12 : 5);
+    EXPECT_EQ(constants->GetValueByName(1, "value").ToDouble(), r.constants.youngsModulus[1]);
+    EXPECT_EQ(fieldNumbers(tensor, "stiffness"), r.stiffness);
+    // Young's modulus along x and y, by direction
+    vtkPolyData* const directions = filter->GetDirections();
+    ASSERT_GT(directions->GetNumberOfPoints(), 300);
+    auto* const modulus = directions->GetPointData()->GetArray("youngs_modulus");
+    double nearest = 0;
+    double found = 0;
+    for (vtkIdType i = 0; i < directions->GetNumberOfPoints(); ++i)
+      if (const double x = directions->GetPointData()->GetArray("direction")->GetComponent(i, 0); x > nearest)
+      {
+        nearest = x;
+        found = modulus->GetTuple1(i);
+      }
+    EXPECT_NEAR(found, r.constants.youngsModulus[0], (d == 2 ? 1e-6 : 1e-2) * found);
+    EXPECT_EQ(fieldNumbers(output, "hashin_shtrikman").size(), 4U);
+    EXPECT_EQ(fieldNumbers(output, "hashin_shtrikman")[0], 0); // there is a void
+  }
+}
+
+TEST_F(VoxelStiffness, StressesOfALoad)
+{
+  for (const int nz : { 1, 8 })
+  {
+    SCOPED_TRACE(nz);
+    const auto image = sample(nz);
+    vtkNew<vtkVoxelStiffness> filter;
+    configure(filter);
+    filter->EstimateErrorOff();
+    filter->SetMeanStrain("xx", 0.01);
+    filter->SetMeanStress("yy", 0);
+    filter->SetInputData(image);
+    ASSERT_EQ(errorOf(filter), "");
+    vtkImageData* const output = filter->GetImage();
+    const std::vector<double> stress = fieldNumbers(output, "load_stress");
+    const std::vector<double> strain = fieldNumbers(output, "load_strain");
+    const double modulus = fieldNumbers(output, "constants")[0];
+    EXPECT_NEAR(strain[0], 0.01, 1e-12);
+    EXPECT_NEAR(stress[0], 0.01 * modulus, 1e-5 * stress[0]);
+    for (std::size_t k = 1; k < stress.size(); ++k)
+      EXPECT_NEAR(stress[k], 0, 1e-5 * stress[0]);
+    auto* const array = vtkFloatArray::SafeDownCast(output->GetPointData()->GetArray("stress"));
+    ASSERT_NE(array, nullptr);
+    ASSERT_EQ(array->GetNumberOfComponents(), 6);
+    double mean = 0;
+    for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
+    {
+      mean += array->GetComponent(i, 0) / static_cast<double>(array->GetNumberOfTuples());
+      if (vtktest::points(image, "phase")->GetTuple1(i) == 0)
+        EXPECT_EQ(array->GetComponent(i, 0), 0);
+    }
+    EXPECT_NEAR(mean, stress[0], 1e-5 * stress[0]);
+    EXPECT_EQ(description(array)[0], "Pa");
+    EXPECT_NE(output->GetPointData()->GetArray("displacement"), nullptr);
+    filter->ComputeStressOff();
+    filter->ComputeTensorOff();
+    filter->RemoveAllMeanStresses();
+    ASSERT_EQ(errorOf(filter), "");
+    EXPECT_EQ(filter->GetImage()->GetPointData()->GetArray("stress"), nullptr);
+    EXPECT_EQ(filter->GetTensor()->GetNumberOfRows(), 0);
+    EXPECT_TRUE(std::isnan(fieldNumbers(filter->GetImage(), "stiffness")[0]));
+  }
+}
+
+TEST_F(VoxelStiffness, MaterialsAsPeopleSayThem)
+{
+  // a cubic tensor by its three numbers is the isotropic one that it stands for
+  const auto image = sample(8);
+  vtkNew<vtkVoxelStiffness> filter;
+  configure(filter);
+  filter->EstimateErrorOff();
+  filter->SetInputData(image);
+  ASSERT_EQ(errorOf(filter), "");
+  const std::vector<double> isotropic = fieldNumbers(filter->GetImage(), "stiffness");
+  filter->RemoveAllYoungsModuli();
+  filter->RemoveAllPoissonsRatios();
+  filter->SetYoungsModulus("lamella", 1e9);
+  filter->SetPoissonsRatio("lamella", 0.4);
+  const double mu = 4e9 / 2.6;
+  const double lambda = 2 * mu * 0.3 / 0.4;
+  std::ostringstream numbers;
+  numbers.precision(17);
+  numbers << lambda + 2 * mu << ' ' << lambda << ' ' << mu;
+  filter->SetStiffness("wall", numbers.str().c_str());
+  ASSERT_EQ(errorOf(filter), "");
+  const std::vector<double> cubic = fieldNumbers(filter->GetImage(), "stiffness");
+  for (std::size_t i = 0; i < 36; ++i)
+    EXPECT_NEAR(cubic[i], isotropic[i], 1e-5 * isotropic[0]);
+  EXPECT_EQ(fieldNumbers(filter->GetImage(), "hashin_shtrikman").size(), 0U);
+
+  // rigid: stiffer than a void; expansion of one phase
+  const auto plane = sample();
+  vtkNew<vtkVoxelStiffness> stiff;
+  configure(stiff);
+  stiff->EstimateErrorOff();
+  stiff->SetInputData(plane);
+  ASSERT_EQ(errorOf(stiff), "");
+  const double hollow = fieldNumbers(stiff->GetImage(), "stiffness")[0];
+  stiff->AddRigid("void");
+  stiff->SetExpansion("wall", 1e-5);
+  ASSERT_EQ(errorOf(stiff), "");
+  EXPECT_GT(fieldNumbers(stiff->GetImage(), "stiffness")[0], hollow);
+  const std::vector<double> expansion = fieldNumbers(stiff->GetImage(), "expansion");
+  ASSERT_EQ(expansion.size(), 3U);
+  EXPECT_GT(expansion[0], 0);
+  EXPECT_LT(expansion[0], 1e-5);
+
+  // along an axis that every point has
+  vtkNew<vtkFloatArray> axis;
+  axis->SetName("axis");
+  axis->SetNumberOfComponents(3);
+  axis->SetNumberOfTuples(image->GetNumberOfPoints());
+  for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
+    axis->SetTuple3(i, 0, 2, 0);
+  image->GetPointData()->AddArray(axis);
+  vtkNew<vtkVoxelStiffness> wood;
+  wood->SetInputData(image);
+  wood->EstimateErrorOff();
+  for (const char* const phase : { "void", "wall", "lamella" })
+  {
+    wood->SetYoungsModulus(phase, 8e9);
+    wood->SetYoungsModulusAcross(phase, 2e9);
+    wood->SetPoissonsRatio(phase, 0.25);
+    wood->SetPoissonsRatioAcross(phase, 0.4);
+    wood->SetShearModulus(phase, 1e9);
+    wood->SetExpansion(phase, 1e-3);
+    wood->SetExpansionAcross(phase, 1e-2);
+  }
+  ASSERT_EQ(errorOf(wood), "");
+  const std::vector<double> constants = fieldNumbers(wood->GetImage(), "constants");
+  EXPECT_NEAR(constants[0], 2e9, 1e4);
+  EXPECT_NEAR(constants[1], 8e9, 4e4);
+  EXPECT_NEAR(constants[11], 1e9, 1e4);
+  EXPECT_NEAR(fieldNumbers(wood->GetImage(), "expansion")[1], 1e-3, 1e-8);
+  EXPECT_NEAR(fieldNumbers(wood->GetImage(), "expansion")[0], 1e-2, 1e-7);
+}
+
+TEST_F(VoxelStiffness, ExpandsByAField)
+{
+  const auto image = sample();
+  vtkNew<vtkFloatArray> temperature;
+  temperature->SetName("temperature");
+  for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
+    temperature->InsertNextValue(0.5F);
+  image->GetPointData()->AddArray(temperature);
+  vtkNew<vtkVoxelStiffness> filter;
+  configure(filter);
+  filter->EstimateErrorOff();
+  filter->SetExpansion("wall", 1e-5);
+  filter->SetExpansion("lamella", 3e-5);
+  filter->SetChange(40);
+  filter->SetChangeArray("temperature");
+  filter->SetMeanStress("xx", 0);
+  filter->SetInputData(image);
+  ASSERT_EQ(errorOf(filter), "");
+  const std::vector<double> expansion = fieldNumbers(filter->GetImage(), "expansion");
+  const std::vector<double> strain = fieldNumbers(filter->GetImage(), "load_strain");
+  for (std::size_t k = 0; k < 3; ++k)
+    EXPECT_NEAR(strain[k], 20 * expansion[k], 1e-8);
+  EXPECT_NE(filter->GetImage()->GetPointData()->GetArray("stress"), nullptr);
+  filter->SetChangeArray("moisture");
+  EXPECT_NE(errorOf(filter).find("no point array 'moisture'"), std::string::npos);
+}
+
+TEST_F(VoxelStiffness, WhatIsRefused)
+{
+  const auto fails =
+    [](const std::function<void(vtkVoxelStiffness*, vtkImageData*)>& change, const char* message, int failure)
+  {
+    SCOPED_TRACE(message);
+    const auto image = sample();
+    vtkNew<vtkVoxelStiffness> filter;
+    configure(filter);
+    filter->SetInputData(image);
+    change(filter, image);
+    const std::string error = errorOf(filter);
+    EXPECT_NE(error.find(message), std::string::npos) << error;
+    EXPECT_NE(error.find("hint: "), std::string::npos) << error;
+    EXPECT_EQ(filter->GetFailure(), failure);
+    EXPECT_EQ(filter->GetTensor()->GetNumberOfRows(), 0);
+  };
+  constexpr int parameter = vtkVoxelStiffness::PARAMETER_FAILURE;
+  fails([](auto* f, auto*) { f->RemoveAllYoungsModuli(); }, "have no Young's modulus", parameter);
+  fails([](auto* f, auto*) { f->SetPoissonsRatio("wall", 1); }, "a Poisson's ratio of 1", parameter);
+  fails([](auto* f, auto*) { f->SetPoissonsRatio("wall", -1); }, "a Poisson's ratio of -1", parameter);
+  fails(
+    [](auto* f, auto*)
+    {
+      f->SetPlane(vtkVoxelStiffness::PLANE_STRAIN);
+      f->SetPoissonsRatio("wall", 0.5);
+    },
+    "a Poisson's ratio of 0.5", parameter);
+  fails(
+    [](auto* f, auto*)
+    {
+      f->RemoveAllYoungsModuli();
+      f->SetYoungsModulus("lamella", 1);
+      f->SetStiffness("wall", "1 2 1 1");
+    },
+    "is not positive definite", parameter);
+  fails(
+    [](auto* f, auto*)
+    {
+      f->RemoveAllYoungsModuli();
+      f->SetYoungsModulus("lamella", 1);
+      f->SetStiffness("wall", "1 2 x");
+    },
+    "'x' of the stiffness of 'wall' is no number", parameter);
+  fails([](auto* f, auto*) { f->SetYoungsModulusAcross("wall", 1e9); }, "the image has no point array 'axis'",
+    vtkVoxelStiffness::INPUT_FAILURE);
+  fails([](auto* f, auto*) { f->AddRigid("wall"); }, "is to be rigid and has a stiffness", parameter);
+  fails([](auto* f, auto*) { f->AddRigid("glue"); }, "'glue' is to be rigid, and is no phase", parameter);
+  fails([](auto* f, auto*) { f->SetMeanStrain("zz", 0.1); }, "a mean strain 'zz' of a picture", parameter);
+  fails([](auto* f, auto*) { f->ComputeTensorOff(); }, "neither the tensor nor the stresses of a load", parameter);
+  fails(
+    [](auto* f, auto*) { f->SetMaximumIterations(1); }, "after 1 iterations", vtkVoxelStiffness::DIVERGENCE_FAILURE);
+  fails(
+    [](auto* f, auto*)
+    {
+      f->SetSides(vtkVoxelStiffness::GRIP);
+      f->SetMeanStrain("xy", 0.1);
+    },
+    "between platens", parameter);
+  fails(
+    [](auto*, auto* image)
+    {
+      vtkDataArray* const phase = vtktest::points(image, "phase");
+      for (vtkIdType i = 0; i < phase->GetNumberOfTuples(); ++i)
+        phase->SetTuple1(i, i % 24 < 12 && i / 24 < 12 ? 1 : 0);
+    },
+    "leads across the box along no axis", vtkVoxelStiffness::NO_PATH_FAILURE);
+}
+
+TEST_F(VoxelStiffness, RanksChangeNothing)
+{
+  for (const int nz : { 1, 8 })
+  {
+    const auto image = sample(nz);
+    const auto load = [](vtkVoxelStiffness* filter)
+    {
+      configure(filter);
+      filter->SetMeanStrain("xx", 0.01);
+    };
+    vtkNew<vtkVoxelStiffness> alone;
+    load(alone);
+    alone->SetInputData(image);
+    alone->UpdatePiece(0, 1, 0);
+    vtkImageData* const whole = alone->GetImage();
+    ASSERT_GT(whole->GetNumberOfPoints(), 0);
+    vtkNew<vtkExtentTranslator> translator;
+    translator->SetWholeExtent(image->GetExtent());
+    translator->SetNumberOfPieces(ranks());
+    translator->SetPiece(rank());
+    translator->SetSplitModeToXSlab();
+    translator->PieceToExtent();
+    vtkNew<vtkImageData> piece;
+    piece->DeepCopy(image);
+    piece->Crop(translator->GetExtent());
+    vtkNew<vtkTrivialProducer> producer;
+    producer->SetOutput(piece);
+    producer->SetWholeExtent(image->GetExtent());
+    vtkNew<vtkVoxelStiffness> together;
+    load(together);
+    together->SetInputConnection(producer->GetOutputPort());
+    together->UpdatePiece(rank(), ranks(), 0);
+    vtkImageData* const part = together->GetImage();
+    if (rank() == 0)
+      EXPECT_EQ(fieldNumbers(part, "stiffness"), fieldNumbers(whole, "stiffness"));
+    EXPECT_EQ(together->GetTensor()->GetNumberOfRows(), rank() != 0 ? 0 : nz == 1 ? 3 : 6);
+    for (vtkIdType i = 0; i < part->GetNumberOfPoints(); ++i)
+    {
+      std::array<double, 3> place{};
+      part->GetPoint(i, place.data());
+      const vtkIdType same = whole->FindPoint(place.data());
+      ASSERT_GE(same, 0);
+      EXPECT_EQ(part->GetPointData()->GetArray("stress")->GetComponent(i, 1),
+        whole->GetPointData()->GetArray("stress")->GetComponent(same, 1));
+    }
+  }
+}
+
+} // namespace

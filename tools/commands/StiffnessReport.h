@@ -1,0 +1,29 @@
+#pragma once
+
+#include "files/FieldReport.h"
+
+#include <string>
+
+/// What the reports of commands share that find a stiffness tensor.
+namespace lamella::cli
+{
+
+/// The tensor, its errors and bounds, constants, sides and pieces, as keys.
+void addStiffness(Json& json, const Fields& f);
+/// Iterations, and the solves of the box and of the coarser pictures. @param refine how often pixels were split
+void addStiffnessSolves(Json& json, const Fields& f, int refine);
+
+/// The tensor, the constants and the bounds, each with its error, for people.
+[[nodiscard]] std::string stiffnessText(const Fields& f);
+/// "8 + 8 + 8"
+[[nodiscard]] std::string iterationsText(const Fields& f);
+
+/// A power of 1000 in which a stress is a number people read.
+struct StressUnit
+{
+  double value;
+  const char* name;
+};
+[[nodiscard]] StressUnit stressUnit(double largest);
+
+} // namespace lamella::cli

@@ -1,0 +1,85 @@
+"""Effective stiffness by elements on the lattice, and stresses under a mean load."""
+
+from __future__ import annotations
+
+from vtkmodules.util.numpy_support import vtk_to_numpy
+
+from . import _arrays, _files
+from ._arrays import told
+from ._errors import run
+from ._settings import Settings, declared
+from ._solve import as_image
+from ._stiffness_results import StiffnessBase
+from ._types import Any, Array, Image, Path, Progress
+from .vtkLamellaSolversVTK import vtkVoxelStiffness
+
+
+class StiffnessResult(StiffnessBase):
+    """``vtk`` is the image with all numbers as field data and the fields of a load; ``vtk_tensor`` and ``vtk_constants``
+    are vtkTables, ``vtk_directions`` a vtkPolyData.
+
+    Tensors are 3 by 3 of a picture (xx, yy, xy) and 6 by 6 of a volume (xx, yy, zz, yz, xz, xy), shear strains as
+    angles. y points up.
+    """
+
+    def __init__(self, image, tensor, constants, directions) -> None:
+        super().__init__(image, tensor, constants)
+        #: a closed surface, of a picture a line: Young's modulus by direction
+        self.vtk_directions = directions
+
+    @property
+    def isotropic(self) -> dict[str, float]:
+        """The nearest isotropic tensor: bulk, shear and Young's modulus [Pa], Poisson's ratio, and the share of the
+        tensor's norm that it leaves ("rest")."""
+        return dict(zip(("bulk", "shear", "young", "poisson", "rest"), map(float, _arrays.numbers(self.vtk, "isotropic_part"))))
+
+    @property
+    def orthotropic(self) -> dict[str, Any]:
+        """The nearest orthotropic tensor: "stiffness" in its own "axes" (one a row) [Pa], and the share that it leaves
+        ("rest")."""
+        axes = _arrays.numbers(self.vtk, "orthotropic_axes").reshape(3, 3)
+        return {"stiffness": self._tensor("orthotropic_part"), "axes": axes, "rest": self._number("orthotropic_rest")}
+
+    @property
+    def hashin_shtrikman(self) -> dict[str, tuple[float, float]]:
+        """Bounds of isotropic mixtures, lower and upper, of "bulk" and "shear" modulus [Pa]; empty where a phase is not
+        isotropic."""
+        found = [float(v) for v in _arrays.numbers(self.vtk, "hashin_shtrikman")]
+        return {"bulk": tuple(found[:2]), "shear": tuple(found[2:])} if len(found) else {}
+
+    expansion: Array = told(
+        "Mean strain of the free box for a change of 1, shears as angles; empty where no phase expands.", by="_numbers")
+    load_strain: Array = told("Mean strain of the load, shears as angles; empty where there was none.", by="_numbers")
+    load_stress: Array = told("Mean stress of the load [Pa]; empty where there was none.", by="_numbers")
+    solver_error: float = told("Error of energies that iterations leave, relative, estimated.")
+
+    def _field(self, name):
+        found = self.vtk.GetPointData().GetArray(name)
+        if found is None:
+            raise KeyError(f"there is no {name}: give a mean strain, a mean stress or a change")
+        values = vtk_to_numpy(found)
+        return values.reshape(*reversed(self.vtk.GetDimensions()), values.shape[-1])
+
+    displacement: Array = told("Of a load: z by y by x by 3 [m], from the image's middle (a view).", by="_field")
+    strain: Array = told("Of a load: z by y by x by 6, xx, yy, zz, xy, yz, xz (a view).", by="_field")
+    stress: Array = told("Of a load: z by y by x by 6, xx, yy, zz, xy, yz, xz [Pa] (a view).", by="_field")
+
+    def save_directions(self, path: Path, overwrite: bool = False) -> str:
+        """Writes Young's modulus by direction as a .vtp file, whole or not at all."""
+        return _files.save_poly_data(self.vtk_directions, path, overwrite)
+
+
+@declared(vtkVoxelStiffness, first=("young", "poisson"))
+def stiffness(image: Image, settings: Settings, progress: Progress | None = None) -> StiffnessResult:
+    """Effective stiffness tensor of a sample by elements, with its error; returns a StiffnessResult.
+
+    image           a picture, volume or result with phases, as equilibrium() takes it
+    progress        called as progress(share, text); return False to cancel (raises Cancelled)
+
+    With mean_strain, mean_stress or change also the displacement, strain and stress under that load.
+    """
+    solve = vtkVoxelStiffness()
+    solve.SetInputData(as_image(image))
+    settings.give(solve)
+    run(solve, progress)
+    return StiffnessResult(solve.GetImage(), solve.GetTensor(), solve.GetConstants(), solve.GetDirections())
