@@ -221,7 +221,10 @@ Answer byElements(const Material& m, int n, bool error)
       young > 0 ? isotropicStiffness(continuum, young, poissonsRatio(continuum)) : voidStiffness(continuum));
   VoxelStiffnessOptions options;
   options.estimateError = error;
-  const VoxelStiffness r = studyVoxelStiffness(picture.lattice, picture.phase, phases, options);
+  std::vector<VoxelMaterial> materials;
+  for (const PhaseStiffness& values : phases)
+    materials.push_back({ values, {}, false, {} });
+  const VoxelStiffness r = studyVoxelStiffness(picture.lattice, picture.phase, materials, {}, options);
   if (error && r.error.components.empty())
     for (const std::string& words : r.warnings)
       fmt::print(stderr, "{} with {} pixels across: {}\n", m.kind, n, words);

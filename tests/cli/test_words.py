@@ -9,7 +9,7 @@ import unittest
 import pictures
 from program import CONDUCTIVITIES, HERE, PHASES, Case
 
-COMMANDS = ["generate", "micrograph", "diffusion", "transient", "flux-map", "packing", "bridges", "equilibrium", "fracture", "dynamics", "bond-stiffness",
+COMMANDS = ["generate", "micrograph", "diffusion", "transient", "flux-map", "packing", "bridges", "equilibrium", "fracture", "dynamics", "stiffness", "bond-stiffness",
             "pore-flood-fill", "stress-pdf", "crack-path", "compression", "compression-curve", "collapse-map", "snapshot", "convert", "run", "report", "info"]
 
 

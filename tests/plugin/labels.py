@@ -79,6 +79,7 @@ class Labels(unittest.TestCase):
             self.tissue, heat, pv.FluxMap(Input=heat), pv.LatticeBoltzmann(Input=self.tissue, EndTime=1e-4), pv.PoreFloodFill(Input=self.tissue),
             loaded, pv.StressPDF(Input=loaded), torn, pv.CrackPath(Input=pv.OutputPort(torn, 1), Image=torn),
             pv.BondDynamics(Input=self.tissue, StatesAtBroken=[5]), pv.BondStiffness(Input=self.tissue), pressed,
+            pv.VoxelStiffness(Input=self.tissue, MeanStrains=["xx", "0.01"]),
             pv.CompressionCurve(Input=pv.OutputPort(pressed, 1)), pv.CollapseMap(Input=self.tissue, Points=pressed),
             pv.PointStiffness(Input=self.tissue), grains, pv.MatrixBridges(Input=grains), outlines, pv.MicrographLattice(Input=outlines),
             pv.OutlineDiffusion(Input=outlines)]

@@ -36,7 +36,7 @@ class Panels(unittest.TestCase):
 
     def test_menus(self):
         """A source or filter is in a group, whose icon there is. ParaView's search looks for its words in the help, too."""
-        words = {"heat": "heat or vapour", "bonds": "peridynamics", "points": "MPM"}
+        words = {"heat": "heat or vapour", "elements": "element", "bonds": "peridynamics", "points": "MPM"}
         for path in PANELS.glob("*.xml"):
             root = ElementTree.parse(path).getroot()
             found = root.find(".//ShowInMenu")

@@ -31,6 +31,7 @@ ARRAY_TYPES = "0 0 0 0 2"
 MENUS = {
     "samples": "Lamella: Samples (Micrographs, Grains)",
     "heat": "Lamella: Heat and Vapour (Diffusion, Lattice Boltzmann)",
+    "elements": "Lamella: Stiffness and Stress (Elements)",
     "bonds": "Lamella: Elasticity and Fracture (Peridynamics)",
     "points": "Lamella: Compression and Crushing (MPM)",
     "analysis": "Lamella: Analysis (Flux, Pores, Stress, Cracks)",

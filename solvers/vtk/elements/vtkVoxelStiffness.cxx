@@ -172,6 +172,7 @@ vtkVoxelStiffness::vtkVoxelStiffness()
   : Internal(std::make_unique<Internals>())
   , EstimatedError(unknown)
 {
+  this->Controller = vtkMultiProcessController::GetGlobalController();
   this->SetNumberOfOutputPorts(4);
   this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "axis");
 }

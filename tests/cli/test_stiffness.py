@@ -1,0 +1,120 @@
+"""lamella stiffness: tensor, errors, loads, tables, several ranks; what is doubtful and what is refused."""
+
+import csv
+import json
+import unittest
+
+import pictures
+from program import Case
+
+STONE = ["stiffness", "stone.png", "--phase", "255=stone", "--young", "stone=2e9"]
+LAYERS = ["stiffness", "layers.png", "--phase", "0=soft", "--phase", "255=hard", "--young", "soft=1e9", "--young", "hard=4e9",
+          "--poisson", "soft=0,hard=0"]
+
+
+class Stiffness(Case):
+    def setUp(self):
+        super().setUp()
+        self.write("stone.png", pictures.png([[255] * 32 for _ in range(32)], pixels_per_metre=100000))
+        self.write("layers.png", pictures.png([[0 if y < 16 else 255] * 32 for y in range(32)]))
+
+    def test_one_phase_is_exact(self):
+        found = self.works(*STONE, "--poisson", "stone=0.49", "--json").json()
+        self.assertEqual((found["components"], found["continuum"], found["sides"]), (["xx", "yy", "xy"], "plane-stress", "periodic"))
+        self.assertAlmostEqual(found["constants"]["E_x"]["value"] / 2e9, 1, places=9)
+        self.assertAlmostEqual(found["constants"]["nu_xy"]["value"], 0.49, places=9)
+        self.assertAlmostEqual(found["isotropic"]["young"] / 2e9, 1, places=9)
+        self.assertLess(found["isotropic"]["rest"], 1e-9)
+        self.assertEqual((found["iterations"], found["resisting"], found["warnings"]), ([0, 0, 0], 3, []))
+        self.assertAlmostEqual(found["bounds"]["voigt"][0][0] / found["stiffness"][0][0], 1, places=9)
+        self.assertAlmostEqual(found["bounds"]["hashin_shtrikman"]["shear"][0] / found["stiffness"][2][2], 1, places=9)
+        self.assertEqual(found["pixel_size"], 1e-5)
+        strain = self.works(*STONE, "--plane", "plane-strain", "--json").json()
+        self.assertAlmostEqual(strain["constants"]["E_x"]["value"] / (2e9 / (1 - 0.09)), 1, places=9)
+
+    def test_layers(self):
+        found = self.works(*LAYERS, "--json").json()
+        # without Poisson's effect: in parallel 2.5e9, in series 1.6e9, shear in series
+        for i, exact in enumerate((2.5e9, 1.6e9, 0.8e9)):
+            self.assertAlmostEqual(found["stiffness"][i][i] / exact, 1, places=6)
+            self.assertLessEqual(abs(found["stiffness"][i][i] - exact), found["estimated_errors"][i][i] + 1e-6 * exact)
+        self.assertEqual([round(step.get("every_pixel") or 1) for step in found["steps"]], [1, 2, 3, 4])
+        self.assertLess(found["orthotropic"]["rest"], 1e-6)
+
+    def test_loads(self):
+        words = self.works(*LAYERS, "--mean-strain", "yy=0.01", "--mean-stress", "xx=0", "-o", "s.vti", "--json").json()
+        self.assertAlmostEqual(words["load"]["stress"][1] / 1.6e7, 1, places=5)
+        self.assertAlmostEqual(words["load"]["energy"] / (0.5 * 0.01 * 1.6e7), 1, places=5)
+        pdf = self.run_lamella("stress-pdf", "s.vti", "--component", "yy", "--json").json()  # one stress: no tail
+        self.assertAlmostEqual(pdf["mean"] / 1.6e7, 1, places=4)
+        alone = self.works(*LAYERS, "--mean-strain", "xx=0.01", "--no-tensor", "--no-stress", "-o", "t.vti", "--json").json()
+        self.assertIsNone(alone["stiffness"])
+        self.assertAlmostEqual(alone["load"]["stress"][0] / 2.5e7, 1, places=5)
+        warm = self.works(*LAYERS, "--expansion", "soft=4e-5,hard=1e-5", "--change", "10", "--json").json()
+        # held: each layer is as stiff as itself along x
+        self.assertAlmostEqual(warm["load"]["stress"][0] / (-10 * (4e-5 * 1e9 + 1e-5 * 4e9) / 2), 1, places=5)
+        self.assertAlmostEqual(warm["expansion"][1] / 2.5e-5, 1, places=5)
+
+    def test_a_field_of_diffusion_expands(self):
+        self.works("diffusion", "layers.png", "--phase", "0=soft", "--phase", "255=hard", "--conductivity", "soft=1,hard=1", "--direction", "x",
+                   "-o", "heat.vti", "--no-error-estimate")
+        found = self.works("stiffness", "heat.vti", "--young", "soft=1e9,hard=1e9", "--expansion", "soft=1e-5,hard=1e-5", "--change", "30",
+                           "--change-array", "temperature", "--mean-stress", "xx=0", "--json").json()
+        self.assertAlmostEqual(found["load"]["strain"][0] / 15e-5, 1, places=4)  # the mean of 1 to 0, in one material
+
+    def test_sides(self):
+        periodic = self.works(*LAYERS, "--json").json()["stiffness"]
+        upper = self.works(*LAYERS, "--sides", "uniform-strain", "--json").json()["stiffness"]
+        lower = self.works(*LAYERS, "--sides", "uniform-stress", "--json").json()["stiffness"]
+        self.assertLess(lower[0][0], periodic[0][0] * (1 + 1e-5))
+        self.assertGreater(upper[2][2], periodic[2][2])
+        slip = self.works(*LAYERS, "--sides", "slip", "--json").json()
+        self.assertAlmostEqual(slip["constants"]["E_y"]["value"] / 1.6e9, 1, places=4)
+        self.assertNotIn("isotropic", slip)
+
+    def test_table_and_files(self):
+        text = self.works(*LAYERS, "--tensor", "c.csv", "--constants", "e.csv", "--directions", "d.vtp").out
+        for words in ("stiffness [GPa]", "after ± its error", "E_x", "nu_yx", "G_xy", "extrapolated", "bounds of the diagonal", "Hashin",
+                      "nearest isotropic tensor", "wrote c.csv", "wrote e.csv", "wrote d.vtp"):
+            self.assertIn(words, text)
+        with open(self.path("c.csv"), encoding="utf-8") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["stress"] for row in rows], ["xx", "yy", "xy"])
+        with open(self.path("e.csv.json"), encoding="utf-8") as file:
+            self.assertIn("lamella stiffness", json.load(file)["provenance"]["command"])
+        self.fails(2, "c.csv", "--overwrite", *LAYERS, "--tensor", "c.csv")
+
+    def test_ranks(self):
+        one = self.works(*LAYERS, "--json").json()
+        two = self.works(*LAYERS, "--mean-strain", "xx=0.01", "-o", "r.vti", "--json", ranks=2).json()
+        self.assertEqual((two["ranks"], two["stiffness"]), (2, one["stiffness"]))
+
+    def test_what_is_refused(self):
+        for options, message, hint, code in (
+                (["--poisson", "stone=1"], "a Poisson's ratio of 1 of phase 'stone'", "it lies above -1 and below 1", 2),
+                (["--poisson", "stone=-1"], "a Poisson's ratio of -1", "it lies above -1", 2),
+                (["--poisson", "stone=0.5", "--plane", "plane-strain"], "a Poisson's ratio of 0.5", "below 0.5", 2),
+                (["--mean-strain", "zz=1"], "a mean strain 'zz' of a picture", "there are xx, yy, xy", 2),
+                (["--sides", "slip", "--mean-strain", "xy=1"], "between platens", "give one", 2),
+                (["--rigid", "stone"], "'stone' is to be rigid and has a stiffness", "say one thing", 2),
+                (["--young-across", "stone=1e9"], "no point array 'axis'", "directions", 3),
+                (["--no-tensor"], "neither the tensor nor", "give a mean strain", 2),
+                (["--refine", "0"], "--refine 0 is below 1", "every pixel", 2)):
+            with self.subTest(options):
+                self.fails(code, message, hint, *STONE, *options)
+        self.fails(2, "is not positive definite", "Poisson", "stiffness", "stone.png", "--phase", "255=stone", "--stiffness", "stone=1 2 1 1")
+        self.fails(4, "all of the box is void", "give some phase", "stiffness", "stone.png", "--phase", "255=void")
+
+    def test_loose_pieces_are_told(self):
+        self.write("loose.png", pictures.png([[255 if y < 8 or (16 < y < 24 and 10 < x < 20) else 0 for x in range(32)] for y in range(32)]))
+        done = self.run_lamella("stiffness", "loose.png", "--phase", "0=void", "--phase", "255=stone", "--young", "stone=1e9", "--json")
+        found = done.json()
+        self.assertEqual((found["loose_pieces"], found["loose_nodes"]), (1, 63))
+        self.assertIn("loose", done.err)
+        self.assertIsNone(found["constants"]["nu_xy"]["value"])
+        self.assertEqual(found["constants"]["E_y"]["value"], 0)
+        self.assertAlmostEqual(found["constants"]["E_x"]["value"] / 0.25e9, 1, places=5)
+
+
+if __name__ == "__main__":
+    unittest.main()
