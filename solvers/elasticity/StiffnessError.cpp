@@ -1,10 +1,15 @@
 #include "elasticity/StiffnessError.h"
 
 #include "lattice/PictureError.h"
+#include "lattice/SpacingError.h"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
+
+#include <limits>
+
+#include <optional>
 
 namespace lamella::elasticity
 {
@@ -32,6 +37,62 @@ PictureError errorOf(
 
 } // namespace
 
+namespace
+{
+
+// The limit may lie so far off that it is none.
+void keepLimit(StiffnessError& e, int dimension, double zero)
+{
+  const ElasticConstants constants = elasticConstants(e.extrapolated, dimension, zero);
+  if (constants.eigenvalues.front() >= -zero * constants.eigenvalues.back())
+    e.constants = constants;
+}
+
+// The largest relative one on the diagonal.
+double largestOf(const StiffnessError& e, std::span<const double> stiffness, std::size_t n, double zero)
+{
+  double most = 0;
+  for (std::size_t a = 0; a < n; ++a)
+    most = std::max(most, stiffness[a * n + a]);
+  double largest = 0;
+  for (std::size_t i = 0; i < n * n; i += n + 1)
+    if (stiffness[i] > zero * most)
+      largest = std::max(largest, e.components[i] / stiffness[i]);
+  return largest;
+}
+
+} // namespace
+
+StiffnessError sharedStiffnessError(std::span<const double> stiffness, std::span<const double> coarse,
+  std::span<const double> coarser, int dimension, double zero)
+{
+  const std::size_t n = dimension == 3 ? 6 : 3;
+  StiffnessError e;
+  for (std::size_t i = 0; i < n * n; ++i)
+  {
+    const SpacingError error =
+      spacingError(stiffness[i], coarse[i], coarser.empty() ? std::nullopt : std::optional(coarser[i]));
+    e.extrapolated.push_back(error.extrapolated);
+    e.components.push_back(error.bar);
+  }
+  e.relative = largestOf(e, stiffness, n, zero);
+  const auto values = [&](std::span<const double> tensor)
+  { return constantValues(elasticConstants(tensor, dimension, zero)); };
+  const std::vector<double> own = values(stiffness);
+  const std::vector<double> larger = values(coarse);
+  const std::vector<double> largest = coarser.empty() ? std::vector<double>{} : values(coarser);
+  for (std::size_t c = 0; c < own.size(); ++c)
+  {
+    const bool known =
+      std::isfinite(own[c]) && std::isfinite(larger[c]) && (largest.empty() || std::isfinite(largest[c]));
+    e.ofConstants.push_back(known
+        ? spacingError(own[c], larger[c], largest.empty() ? std::nullopt : std::optional(largest[c])).bar
+        : std::numeric_limits<double>::quiet_NaN());
+  }
+  keepLimit(e, dimension, zero);
+  return e;
+}
+
 StiffnessError stiffnessError(std::span<const double> stiffness, std::span<const SubsampleTensors> subsamples,
   int dimension, const StiffnessErrorRule& rule)
 {
@@ -40,19 +101,14 @@ StiffnessError stiffnessError(std::span<const double> stiffness, std::span<const
   const double lattice = rule.lattice;
   const double zero = rule.zero;
   e.lattice = lattice;
-  double most = 0;
-  for (std::size_t a = 0; a < n; ++a)
-    most = std::max(most, stiffness[a * n + a]);
-  e.relative = 0;
   for (std::size_t i = 0; i < n * n; ++i)
   {
     const PictureError error =
       errorOf(stiffness[i], subsamples, [&](std::size_t s, std::size_t t) { return subsamples[s].tensors[t][i]; });
     e.extrapolated.push_back(stiffness[i] + error.bias());
     e.components.push_back(barOf(error, rule.leftOverChange) + lattice * std::abs(stiffness[i]));
-    if (i % (n + 1) == 0 && stiffness[i] > zero * most)
-      e.relative = std::max(e.relative, e.components[i] / stiffness[i]);
   }
+  e.relative = largestOf(e, stiffness, n, zero);
 
   const std::vector<double> own = constantValues(elasticConstants(stiffness, dimension, zero));
   std::vector<std::vector<std::vector<double>>> others;
@@ -73,10 +129,7 @@ StiffnessError stiffnessError(std::span<const double> stiffness, std::span<const
     const double bar = barOf(errorOf(own[c], subsamples, of), rule.leftOverChange);
     e.ofConstants.push_back(known ? bar + lattice * std::abs(own[c]) : std::numeric_limits<double>::quiet_NaN());
   }
-  // the limit may lie so far off that it is none
-  const ElasticConstants constants = elasticConstants(e.extrapolated, dimension, zero);
-  if (constants.eigenvalues.front() >= -zero * constants.eigenvalues.back())
-    e.constants = constants;
+  keepLimit(e, dimension, zero);
   return e;
 }
 

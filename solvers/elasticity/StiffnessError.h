@@ -64,4 +64,10 @@ struct StiffnessErrorRule
 [[nodiscard]] StiffnessError stiffnessError(std::span<const double> stiffness,
   std::span<const SubsampleTensors> subsamples, int dimension, const StiffnessErrorRule& rule);
 
+/// The same of voxels that phases share, from those of twice and of four times the spacing over the same box
+/// (lattice/SpacingError.h).
+/// @param coarser may be empty
+[[nodiscard]] StiffnessError sharedStiffnessError(std::span<const double> stiffness, std::span<const double> coarse,
+  std::span<const double> coarser, int dimension, double zero);
+
 } // namespace lamella::elasticity

@@ -5,6 +5,7 @@
 #include "core/Error.h"
 #include "core/Memory.h"
 #include "elasticity/ElasticSystem.h"
+#include "elasticity/SharedVoxels.h"
 #include "lattice/Subsample.h"
 #include "pores/PoreLabelling.h"
 
@@ -118,6 +119,10 @@ public:
       else if (material.expansion.size() == n)
         std::copy(material.expansion.begin(), material.expansion.end(), free.strain.begin());
     }
+    const bool turns = std::ranges::any_of(laws_, [](const ElasticLaw<D>& law) { return law.turns(); });
+    if (turns && axis_.empty() && !options_.shares.empty())
+      axis_ = ownAxes_ =
+        shareAxes(lattice, phase, options_.shares, options_.sides == StiffnessSides::Periodic, options_.threads);
     const auto any = std::find(isVoid_.begin(), isVoid_.end(), true);
     voidId_ = static_cast<std::uint8_t>(any - isVoid_.begin());
     if (any == isVoid_.end())
@@ -179,6 +184,13 @@ private:
     std::size_t levels = 0;
     double setupSeconds = 0;
     double bytes = 0;
+  };
+
+  struct Thinned
+  {
+    Lattice lattice;
+    std::vector<std::uint8_t> phase;
+    std::vector<std::array<float, 3>> axis;
   };
 
   void requireSides() const
@@ -681,7 +693,7 @@ private:
     for (const int stride : strides)
     {
       const double all = std::pow(stride, D);
-      voxels += std::min(all, static_cast<double>(fewPictures)) / all;
+      voxels += (options_.shares.empty() ? std::min(all, static_cast<double>(fewPictures)) : 1.0) / all;
     }
     return voxels * static_cast<double>(lattice_.count());
   }
@@ -704,6 +716,24 @@ private:
           fmt::format("of {} pixels along {} every second one is too few to tell anything: it takes {}", p.size[a],
             "xyz"[a], fewestAcross * strides.front()),
           "");
+    if (!options_.shares.empty())
+    {
+      std::vector<std::vector<double>> found;
+      for (const int stride : { 2, 4 })
+      {
+        if (!serves(p, stride, matters))
+          continue;
+        SubsampleTensors answer{ static_cast<double>(stride), {} };
+        StiffnessStep sum{ answer.stride, 0, 0, std::vector<double>(n * n, 0.0), std::vector<std::int64_t>(n, 0), 0 };
+        add(averaged(stride, matters), done, all, sum, answer);
+        r.steps.push_back(std::move(sum));
+        found.push_back(answer.tensors.front());
+      }
+      r.error = sharedStiffnessError(r.stiffness, found.front(),
+        found.size() > 1 ? std::span<const double>(found[1]) : std::span<const double>(), D,
+        leastStiffness(options_.tolerance));
+      return;
+    }
     std::vector<SubsampleTensors> tensors;
     for (const int stride : strides)
     {
@@ -718,19 +748,7 @@ private:
       for (const auto& first : subsampleStarts(varying, stride, fewPictures))
       {
         const Thinned picture = thinned(thinning, first);
-        const auto voxels = static_cast<double>(picture.lattice.count());
-        const Solid solid = findSolid(picture.lattice, picture.phase, isVoid_, voidId_, options_.sides);
-        const Solved s = solve(picture.lattice, picture.phase, picture.axis, solid, done, voxels, all);
-        done += voxels;
-        answer.tensors.push_back(s.step.stiffness.empty() ? std::vector<double>(n * n, 0.0) : s.step.stiffness);
-        ++sum.pictures;
-        sum.nodes += s.step.nodes;
-        sum.seconds += s.step.seconds;
-        for (std::size_t i = 0; i < sum.stiffness.size(); ++i)
-          sum.stiffness[i] += answer.tensors.back()[i];
-        sum.iterations.resize(std::max(sum.iterations.size(), s.step.iterations.size()), 0);
-        for (std::size_t i = 0; i < s.step.iterations.size(); ++i)
-          sum.iterations[i] += s.step.iterations[i];
+        add(picture, done, all, sum, answer);
       }
       for (double& c : sum.stiffness)
         c /= sum.pictures;
@@ -740,13 +758,43 @@ private:
     r.error = stiffnessError(r.stiffness, tensors, D, { .zero = leastStiffness(options_.tolerance) });
   }
 
-  // A coarser picture of the box, its pixels split as the box's are.
-  struct Thinned
+  // Solves a coarser picture.
+  void add(const Thinned& picture, double& done, double all, StiffnessStep& sum, SubsampleTensors& answer) const
   {
-    Lattice lattice;
-    std::vector<std::uint8_t> phase;
-    std::vector<std::array<float, 3>> axis;
-  };
+    const auto voxels = static_cast<double>(picture.lattice.count());
+    const Solid solid = findSolid(picture.lattice, picture.phase, isVoid_, voidId_, options_.sides);
+    const Solved s = solve(picture.lattice, picture.phase, picture.axis, solid, done, voxels, all);
+    done += voxels;
+    answer.tensors.push_back(s.step.stiffness.empty() ? std::vector<double>(n * n, 0.0) : s.step.stiffness);
+    ++sum.pictures;
+    sum.nodes += s.step.nodes;
+    sum.seconds += s.step.seconds;
+    for (std::size_t i = 0; i < sum.stiffness.size(); ++i)
+      sum.stiffness[i] += answer.tensors.back()[i];
+    sum.iterations.resize(std::max(sum.iterations.size(), s.step.iterations.size()), 0);
+    for (std::size_t i = 0; i < s.step.iterations.size(); ++i)
+      sum.iterations[i] += s.step.iterations[i];
+  }
+
+  // The box in larger voxels, whose shares are means.
+  [[nodiscard]] Thinned averaged(int stride, const std::array<bool, 3>& matters) const
+  {
+    Thinned t{ lattice_, {}, {} };
+    for (std::size_t a = 0; a < D; ++a)
+    {
+      t.lattice.size[a] = matters[a] ? std::max<std::int64_t>(1, (lattice_.size[a] + stride / 2) / stride) : 1;
+      t.lattice.aspect[a] *= static_cast<double>(lattice_.size[a]) / static_cast<double>(t.lattice.size[a]);
+    }
+    t.phase = coarserShares(lattice_, phase_, options_.shares, t.lattice.size);
+    if (!ownAxes_.empty())
+      t.axis =
+        shareAxes(t.lattice, t.phase, options_.shares, options_.sides == StiffnessSides::Periodic, options_.threads);
+    else if (!axis_.empty())
+      throw ParameterError("larger voxels have no axes of their own", "take it without the error");
+    return t;
+  }
+
+  // A coarser picture of the box, its pixels split as the box's are.
   [[nodiscard]] Thinned thinned(const PeriodicThinning& thinning, const std::array<std::int64_t, 3>& first) const
   {
     const int split = options_.nodesPerPixel;
@@ -775,6 +823,7 @@ private:
   const Lattice& lattice_;
   std::span<const std::uint8_t> phase_;
   Axes axis_;
+  std::vector<std::array<float, 3>> ownAxes_;
   const VoxelStiffnessOptions& options_;
   std::vector<ElasticLaw<D>> laws_; ///< a void among them
   std::vector<FreeStrain<D>> free_;
@@ -868,7 +917,13 @@ VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::
     throw NoPathError("all of the box is void", "give some phase a Young's modulus");
   if (!deforms)
     throw ParameterError("all that is not void is rigid", "give some phase a Young's modulus");
-  if (kinds.turns && axis.size() != phase.size())
+  if (!options.shares.empty() && (options.shares.size() < materials.size() || options.nodesPerPixel > 1))
+    throw ParameterError(options.nodesPerPixel > 1
+        ? std::string("shares of pixels that are split")
+        : fmt::format("{} shares for {} phases", options.shares.size(), materials.size()),
+      "give each phase one, and leave pixels as they are");
+  const bool ownAxes = !options.shares.empty() && axis.empty();
+  if (kinds.turns && !ownAxes && axis.size() != phase.size())
     throw ParameterError(fmt::format("{} axes for {} voxels", axis.size(), phase.size()),
       "give each voxel of a phase with an axis the direction of its axis");
   if (!(options.tolerance > 0 && options.tolerance < 1))

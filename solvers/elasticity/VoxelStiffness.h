@@ -63,6 +63,9 @@ struct VoxelStiffnessOptions
 {
   StiffnessSides sides = StiffnessSides::Periodic;
   bool tensor = true; ///< without it only a load is solved for, whose strains are all given
+  /// Of voxels that two phases share (SharedVoxels.h): by phase id the share of the second. Axes of phases that have
+  /// some then lead across the surface, unless they are given, and coarser pictures are means. Empty: whole voxels.
+  std::vector<double> shares;
   std::optional<VoxelLoad> load;
   VoxelFieldRow fields;    ///< of the load; takes 4 bytes more a component and node
   double tolerance = 1e-6; ///< of the energy of each unit strain, relative

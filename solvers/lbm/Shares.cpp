@@ -1,6 +1,7 @@
 #include "lbm/Shares.h"
 
 #include "core/Error.h"
+#include "lattice/SpacingError.h"
 
 #include <fmt/format.h>
 
@@ -60,7 +61,6 @@ namespace
 
 constexpr int levels = 255; // of mean shares
 constexpr std::int64_t fewestAcross = 3;
-constexpr double certainty = 1.5;
 
 std::vector<double> evenShares()
 {
@@ -101,16 +101,6 @@ PhaseImage halved(const PhaseImage& image, std::span<const double> share)
   return half;
 }
 
-// Errors are a part in proportion to the spacing and one to its square: of spacings that double, each change is 2 to 4
-// times the next one, and three values tell both parts. Beyond 2 or 4 it is the one part alone.
-double extrapolate(double fine, double change, std::optional<double> changeBefore)
-{
-  if (change == 0)
-    return fine;
-  const double ratio = changeBefore ? std::clamp(*changeBefore / change, 2.0, 4.0) : 2.0;
-  return fine + change * (5 - ratio) / 3;
-}
-
 class ShareStudy
 {
 public:
@@ -147,19 +137,18 @@ public:
     const std::vector<double> shares = evenShares();
     PhaseImage half = halved(image, share);
     const double coarse = valueOf(solve(answer, half, shares, rule, 2, false), axis);
-    const double change = fine - coarse;
-    std::optional<double> changeBefore;
+    std::optional<double> coarser;
     if (std::ranges::all_of(
           half.lattice.size, [](std::int64_t n) { return n == 1 || (n % 2 == 0 && n / 2 >= fewestAcross); }))
     {
       half = halved(half, shares);
-      changeBefore = coarse - valueOf(solve(answer, half, shares, rule, 4, false), axis);
+      coarser = valueOf(solve(answer, half, shares, rule, 4, false), axis);
     }
-    const double largest = std::max(std::abs(change), std::abs(changeBefore.value_or(0)) / 3);
-    answer.error.relative = certainty * largest / fine + answer.result.solverError;
+    const SpacingError error = spacingError(fine, coarse, coarser);
+    answer.error.relative = error.bar / fine + answer.result.solverError;
     answer.error.lattice = answer.error.relative;
     answer.error.picture = 0;
-    answer.error.extrapolated = value / fine * extrapolate(fine, change, changeBefore);
+    answer.error.extrapolated = value / fine * error.extrapolated;
     return answer;
   }
 

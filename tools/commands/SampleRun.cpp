@@ -33,17 +33,35 @@ vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine, const std::vec
   return image;
 }
 
+namespace
+{
+
+ImageSample imageSample(Session& session, Sample sample, int refine, const std::vector<std::string>& more)
+{
+  tellDoubts(session, sample);
+  ImageSample result{ nullptr, sample.pixelSizeSource, sample.provenance };
+  result.image = imageOf(sample, refine, more);
+  result.image->GetExtent(result.extent.data());
+  return result;
+}
+
+} // namespace
+
 ImageSample loadImage(Session& session, const PictureOptions& picture, const SettingOptions& settings,
   const SampleCheck& check, int refine, const std::vector<std::string>& more)
 {
   Sample sample = loadSample(picture, check);
   Session::checkInterrupt();
   settings.checkNames(sample.image.phases.names());
-  tellDoubts(session, sample);
-  ImageSample result{ nullptr, sample.pixelSizeSource, sample.provenance };
-  result.image = imageOf(sample, refine, more);
-  result.image->GetExtent(result.extent.data());
-  return result;
+  return imageSample(session, std::move(sample), refine, more);
+}
+
+ImageSample loadGreys(
+  Session& session, const PictureOptions& picture, const GreyBins& bins, const std::vector<std::string>& more)
+{
+  Sample sample = loadSample(picture, {}, bins);
+  Session::checkInterrupt();
+  return imageSample(session, std::move(sample), 1, more);
 }
 
 } // namespace lamella::cli

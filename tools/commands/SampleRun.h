@@ -36,4 +36,8 @@ struct ImageSample
 [[nodiscard]] ImageSample loadImage(Session& session, const PictureOptions& picture, const SettingOptions& settings,
   const SampleCheck& check = {}, int refine = 1, const std::vector<std::string>& more = {});
 
+/// The same of greys that nobody names, in these bins.
+[[nodiscard]] ImageSample loadGreys(
+  Session& session, const PictureOptions& picture, const GreyBins& bins, const std::vector<std::string>& more = {});
+
 } // namespace lamella::cli

@@ -200,8 +200,14 @@ void stiffness(Session& session, const StiffnessOptions& o, const std::string& c
       files.addTable("--tensor", o.tensor, filter->GetTensor(), o.common.overwrite);
       files.addTable("--constants", o.constants, filter->GetConstants(), o.common.overwrite);
       const std::string change = o.settings.text("change-array");
-      sample = loadImage(session, o.picture, o.settings, {}, o.refine,
-        change.empty() ? std::vector<std::string>{} : std::vector{ change });
+      const std::vector<std::string> more(change.empty() ? 0 : 1, change);
+      const double* const greys = filter->GetShares();
+      if (greys[0] == greys[1])
+        sample = loadImage(session, o.picture, o.settings, {}, o.refine, more);
+      else if (o.refine > 1)
+        throw ParameterError("--refine with --shares", "leave one out: greys tell where in a pixel the surface lies");
+      else
+        sample = loadGreys(session, o.picture, GreyBins::even(greys[0], greys[1]), more);
     });
   session.broadcast(sample.extent);
   const auto image = sample.image ? sample.image : vtkSmartPointer<vtkImageData>::New();

@@ -2,6 +2,7 @@
 
 #include "core/Error.h"
 #include "core/Parse.h"
+#include "elasticity/SharedVoxels.h"
 #include "lattice/PhaseNames.h"
 
 #include <fmt/format.h>
@@ -203,6 +204,47 @@ VoxelMaterials::VoxelMaterials(const VoxelSettings& s, const PhaseIds& phases, s
     isotropic_.bulk.push_back(lambda + 2 * mu / dimension);
     isotropic_.shear.push_back(mu);
   }
+}
+
+VoxelMaterials::VoxelMaterials(const VoxelSettings& settings, std::span<const double> shares)
+{
+  PhaseIds two;
+  two.names = two.known = { "low", "high" };
+  const std::array<std::int64_t, 2> some{ 1, 1 };
+  VoxelSettings named = settings;
+  const auto given = [&](const char* name) { return named.young.contains(name) || named.stiffness.contains(name); };
+  if (named.voids.empty()) // what has no modulus is void
+    for (const char* const name : { "low", "high" })
+      if (!given(name))
+        named.voids.emplace_back(name);
+  for (const auto& [name, value] : settings.young)
+    if (name != "low" && name != "high")
+      throw ParameterError("a Young's modulus of '" + name + "' where greys are shares of two phases",
+        "give materials of low and high, the phases of the low and of the high greys");
+  VoxelMaterials own(named, two, some);
+  materials_ = el::sharedMaterials(settings.continuum, own.materials_[0], own.materials_[1], shares);
+  layers_ = !own.turn_ && !own.isVoid(0) && !own.isVoid(1);
+  turn_ = own.turn_ || layers_;
+  strain_ = own.strain_;
+  told_ = own.told_;
+  isotropic_ = own.isotropic_;
+  phases_.resize(materials_.size());
+  for (const el::VoxelMaterial& material : materials_)
+    void_.push_back(std::ranges::all_of(material.stiffness, [](double c) { return c == 0; }));
+}
+
+std::vector<double> sharesOf(const PhaseIds& phases, double none, double all)
+{
+  std::vector<double> shares;
+  for (const std::string& text : phases.names)
+  {
+    const std::optional<double> grey = toNumber(text);
+    if (!grey)
+      throw ParameterError("shares of greys were given for an image whose phases have names, as '" + text + "'",
+        "give the grey image itself, and no names of phases");
+    shares.push_back(std::clamp((*grey - none) / (all - none), 0.0, 1.0));
+  }
+  return shares;
 }
 
 double VoxelMaterials::outOfPlane(

@@ -35,8 +35,13 @@ public:
   /// @throws ParameterError
   VoxelMaterials(const VoxelSettings& settings, const PhaseIds& phases, std::span<const std::int64_t> nodes);
 
+  /// Of greys that are shares of two phases, low and high.
+  /// @param shares of high, by id
+  VoxelMaterials(const VoxelSettings& settings, std::span<const double> shares);
+
   [[nodiscard]] const std::vector<elasticity::VoxelMaterial>& materials() const noexcept { return materials_; }
-  [[nodiscard]] bool turn() const noexcept { return turn_; } ///< some phase follows an axis
+  [[nodiscard]] bool turn() const noexcept { return turn_; }                  ///< some phase follows an axis
+  [[nodiscard]] bool turnsAcrossSurfaces() const noexcept { return layers_; } ///< the axes are those of the shares
   [[nodiscard]] bool isVoid(std::uint8_t id) const { return id < void_.size() && void_[id]; }
   /// Constants of each phase that is there, by name.
   [[nodiscard]] const nlohmann::json& told() const noexcept { return told_; }
@@ -63,10 +68,14 @@ private:
   std::vector<Phase> phases_;
   std::vector<bool> void_;
   bool turn_ = false;
+  bool layers_ = false;
   bool strain_ = false; ///< plane strain
   nlohmann::json told_ = nlohmann::json::object();
   Isotropic isotropic_;
 };
+
+/// By id, of greys that are shares. @throws ParameterError where phases have names
+[[nodiscard]] std::vector<double> sharesOf(const PhaseIds& phases, double none, double all);
 
 /// Components of a mean strain or stress as numbers in Voigt's order, NaN where they are not given; empty: none is.
 /// @throws ParameterError for a component that there is not

@@ -35,6 +35,8 @@
 #include <cmath>
 #include <map>
 #include <numbers>
+#include <numeric>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -349,7 +351,14 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
   settings.continuum = dimension == 3 ? el::Continuum::Space
     : this->Plane == PLANE_STRAIN     ? el::Continuum::PlaneStrain
                                       : el::Continuum::PlaneStress;
-  const lamella::PhaseIds phases = lamella::phaseIds(input, this->GetInputArrayInformation(0), team);
+  std::optional<lamella::GreyBins> bins;
+  const bool shared = this->Shares[0] != 0 || this->Shares[1] != 0;
+  if (shared && this->Shares[0] == this->Shares[1])
+    throw lamella::ParameterError(
+      fmt::format("greys of none and of all that are both {:g}", this->Shares[0]), "give the greys of the two phases");
+  if (shared)
+    bins = lamella::GreyBins::even(this->Shares[0], this->Shares[1]);
+  const lamella::PhaseIds phases = lamella::phaseIds(input, this->GetInputArrayInformation(0), team, bins);
   const Gathered gathered(whole, team);
   std::vector<std::uint8_t> moved;
   std::span<const std::uint8_t> phase = phases.ids;
@@ -360,10 +369,26 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
     ++nodes[id];
   team.sum(nodes);
   std::optional<lamella::VoxelMaterials> materials;
-  team.agree([&] { materials.emplace(settings, phases, nodes); });
+  std::vector<double> shares;
+  std::vector<double> fractions(nodes.begin(), nodes.end());
+  for (double& fraction : fractions)
+    fraction /= static_cast<double>(lattice.count());
+  team.agree(
+    [&]
+    {
+      if (!shared)
+        materials.emplace(settings, phases, nodes);
+      else
+      {
+        shares = lamella::sharesOf(phases, this->Shares[0], this->Shares[1]);
+        const double high = std::inner_product(shares.begin(), shares.end(), fractions.begin(), 0.0);
+        fractions = { 1 - high, high };
+        materials.emplace(settings, shares);
+      }
+    });
 
   std::vector<std::array<float, 3>> axis;
-  if (materials->turn())
+  if (materials->turn() && !materials->turnsAcrossSurfaces())
   {
     const lamella::NodeVectors vectors = lamella::vectorsOf(input, this->GetInputArrayInformation(1), "axis",
       "give the directions along the walls, as MicrographLattice does, or leave out what holds across them", dimension,
@@ -406,6 +431,7 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
   el::VoxelStiffnessOptions options;
   options.sides = sidesOf(this->Sides);
   options.tensor = this->ComputeTensor;
+  options.shares = shares;
   options.tolerance = this->Tolerance;
   options.maxIterations = this->MaximumIterations;
   options.estimateError = this->EstimateError;
@@ -521,11 +547,8 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
   lamella::setFieldNumbers(output, "seconds",
     std::array{
       result.setupSeconds, result.solveSeconds, result.loaded ? result.loaded->seconds : 0.0, result.estimateSeconds });
-  std::vector<double> fractions(nodes.begin(), nodes.end());
-  for (double& fraction : fractions)
-    fraction /= voxels;
   lamella::setFieldNumbers(output, "phase_fraction", fractions);
-  lamella::setFieldTexts(output, "phase_names", phases.names);
+  lamella::setFieldTexts(output, "phase_names", shared ? std::vector<std::string>{ "low", "high" } : phases.names);
   lamella::setFieldText(output, "phase_array", phases.array);
   const char* const continuum = dimension == 3 ? "space"
     : this->Plane == PLANE_STRAIN              ? "plane-strain"
@@ -559,7 +582,8 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
     number("load_iterations", result.loaded->iterations);
   }
   const nlohmann::json model{ { "phases", materials->told() }, { "continuum", continuum },
-    { "sides", sideWords[static_cast<std::size_t>(this->Sides)] } };
+    { "sides", sideWords[static_cast<std::size_t>(this->Sides)] },
+    { "shares", shared ? nlohmann::json(this->Shares) : nlohmann::json(nullptr) } };
   lamella::setFieldText(output, "element_model", model.dump());
   nlohmann::json parameters{ { "model", model }, { "estimate_error", this->EstimateError },
     { "nodes_per_pixel", this->NodesPerPixel }, { "tolerance", this->Tolerance } };

@@ -9,8 +9,9 @@
  * **Voigt's notation**: stresses and strains xx, yy, xy of a picture; xx, yy, zz, yz, xz, xy of a volume; shear strains
  * are angles, 2ε, but in the output's array `strain`.
  *
- * **Input**: vtkImageData with phases at its points; for phases that are stiffer along an axis also its direction
- * (array `axis`, index 1, 2 or 3 components of any length). With a ChangeArray that point array.
+ * **Input**: vtkImageData with phases at its points, or greys as Shares has them; for phases that are stiffer along an
+ * axis also its direction (array `axis`, index 1, 2 or 3 components of any length). With a ChangeArray that point
+ * array.
  *
  * **Output 0**: the input, with the numbers as field data; of a load also, as floats,
  * - `displacement` [m], 3 components, from the image's middle; `stress` [Pa] and `strain` (tensor components) with six,
@@ -181,6 +182,17 @@ public:
   void SetExpansionAcross(const char* phase, double value);
   void RemoveAllExpansionsAcross();
   ///@}
+
+  /**
+   * The image is grey, not labels: the greys of nodes that hold nothing of the phase `high`, and that are all of it;
+   * what is between holds a part: the stiffness of a solid beside a void counts by its share, two isotropic solids make
+   * layers across the surface. Materials are then those of `low` and `high`. Not given (both 0): the image holds
+   * phases. More than 256 greys count as the nearest of 255 from none to all.
+   * @title Greys of none and of all
+   * @group Materials
+   * @columns none, all
+   */
+  vtkSettingVector2Macro(Shares, double, 0, 0);
 
   enum Planes
   {

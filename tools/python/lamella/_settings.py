@@ -139,8 +139,8 @@ class Settings:
         elif named and len(setting.types) == 2:
             numbers = setting.types[1] == "number"
             rows = entries(value, setting.keyword, f"{{{setting.columns[0].lower()}: {'value' if numbers else setting.columns[1].lower()}}}")
-            if check is not None and setting.columns[0] == "Bonds":
-                check([pair(name) for name, _ in rows], True)
+            if check is not None and setting.columns[0] in ("Bonds", "Phase"):
+                check([pair(name) for name, _ in rows], setting.columns[0] == "Bonds")
             for name, other in rows:
                 setter(pair(name), number(other, f"{setting.keyword} of {name!r}") if numbers else pair(other))
         elif len(setting.types) == 1:

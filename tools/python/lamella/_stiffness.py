@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from vtkmodules.util.numpy_support import vtk_to_numpy
+from vtkmodules.vtkCommonDataModel import vtkImageData
 
 from . import _arrays, _files
-from ._arrays import told
+from ._arrays import checked, image_of, told
+from ._bonds import check_names
 from ._errors import run
+from ._samples import ImageBase
 from ._settings import Settings, declared
 from ._solve import as_image
 from ._stiffness_results import StiffnessBase
@@ -79,7 +82,10 @@ def stiffness(image: Image, settings: Settings, progress: Progress | None = None
     With mean_strain, mean_stress or change also the displacement, strain and stress under that load.
     """
     solve = vtkVoxelStiffness()
-    solve.SetInputData(as_image(image))
-    settings.give(solve)
+    if any(settings["shares"]) and not isinstance(image, (ImageBase, vtkImageData)):
+        image = image_of(checked(image, "the grey image", "give real numbers"), 1.0, "phase")
+    sample = as_image(image)
+    solve.SetInputData(sample)
+    settings.give(solve, None if any(settings["shares"]) else lambda names, pairs: check_names(sample, names, pairs))
     run(solve, progress)
     return StiffnessResult(solve.GetImage(), solve.GetTensor(), solve.GetConstants(), solve.GetDirections())
