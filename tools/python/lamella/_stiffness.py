@@ -51,10 +51,10 @@ class StiffnessResult(StiffnessBase):
         return {"bulk": tuple(found[:2]), "shear": tuple(found[2:])} if len(found) else {}
 
     expansion: Array = told(
-        "Mean strain of the free box for a change of 1: 3 or 6 numbers, shears as angles; none where no phase expands.", by="_numbers")
-    load_strain: Array = told("Mean strain of the load: 3 or 6 numbers, shears as angles; none where there was no load.", by="_numbers")
-    load_stress: Array = told("Mean stress of the load [Pa]: 3 or 6 numbers; none where there was no load.", by="_numbers")
-    solver_error: float = told("Error of energies that iterations leave, relative, estimated.")
+        "Mean strain of the free box for a change of 1 by component [1], shears as angles; none where no phase expands.", by="_numbers")
+    load_strain: Array = told("Mean strain of the load by component [1], shears as angles; none where there was no load.", by="_numbers")
+    load_stress: Array = told("Mean stress of the load by component [Pa]; none where there was no load.", by="_numbers")
+    solver_error: float = told("Error of energies that iterations leave, relative, estimated [1].")
 
     def _field(self, name):
         found = self.vtk.GetPointData().GetArray(name)
