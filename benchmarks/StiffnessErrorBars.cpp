@@ -1,11 +1,11 @@
-// Do the error bars of `lamella bond-stiffness` hold? Cells of known materials, coarse and less coarse, odd and even, in the
-// plane and in space: disks, polygons, honeycombs, laminates, spheres, boxes; contrasts 2 to 100 either way round, and
-// voids. The truth is the material's own stiffness: exact for laminates (Backus 1962), else finite elements of another
-// program on far finer pictures of the same geometry, extrapolated from two (stiffness-truths.csv, by seed and number;
-// key pictures=FOLDER writes such pictures). Where there is none it is this program's own value of far finer pictures.
-// Keys: seed=N of the random shapes (2026), horizon=H (3), micromodulus=0|1|2 (2, isotropic), corrected (surfaces),
-// quick (a fifth of the materials), only=NUMBER of one material, sizes=N,N (pixels across), truths=FILE, cases=FILE for
-// a line a case and constant; elements: by elements instead of bonds.
+// Do the error bars of `lamella bond-stiffness` hold? Cells of known materials, coarse and less coarse, odd and even,
+// in the plane and in space: disks, polygons, honeycombs, laminates, spheres, boxes; contrasts 2 to 100 either way
+// round, and voids. The truth is the material's own stiffness: exact for laminates (Backus 1962), else finite elements
+// of another program on far finer pictures of the same geometry, extrapolated from two (stiffness-truths.csv, by seed
+// and number; key pictures=FOLDER writes such pictures). Where there is none it is this program's own value of far
+// finer pictures. Keys: seed=N of the random shapes (2026), horizon=H (3), micromodulus=0|1|2 (2, isotropic), corrected
+// (surfaces), quick (a fifth of the materials), only=NUMBER of one material, sizes=N,N (pixels across), truths=FILE,
+// cases=FILE for a line a case and constant; elements: by elements instead of bonds.
 #include "Keys.h"
 #include "Shapes.h"
 

@@ -3,8 +3,9 @@
     /usr/bin/python3 benchmarks/elements.py lamella=PROGRAM [output=FOLDER] [part=sizes,materials,peers] [size=64,128,200,400]
                                             [threads=2] [peers=mugrid:PYTHON,fourier:PYTHON]
 
-Three samples with a seed, which repeat: `tissue` (cells along z with end walls, 25 voxels across, walls of 3), `foam` (closed cells of Voronoi,
-the same), `grains` (spheres of 16 voxels in a shell of cement of 2, with voids between). Each row is one run of `lamella stiffness` without the
+Samples with a seed, which repeat: `tissue` (cells along z with end walls, 25 voxels across, walls of 3), `foam` (closed cells of Voronoi, the
+same), `grains` (a dense packing of spheres of 16 voxels by `lamella packing`, cemented by `lamella bridges` to a saturation of 40 %), `shells`
+(spheres of 16 voxels that stand at random in a shell of cement of 2, which hardly touch: many hang on one neck). Each row is one run of `lamella stiffness` without the
 error, from the raw file to the tensor; bytes are those of all arrays of the solve, over the voxels of the box. Writes elements-PART.csv.
 
 peers=mugrid:PYTHON,fourier:PYTHON: elements-peers.py by these interpreters on volumes of 64 and 100 of each sample, and ours with one thread,
@@ -24,7 +25,8 @@ import numpy as np
 
 CELL = 25  # voxels
 WALL = 3
-MATERIALS = {"tissue": {1: (1e10, 0.3)}, "foam": {1: (2e9, 0.35)}, "grains": {1: (1e10, 0.25), 2: (4e10, 0.2)}}
+MATERIALS = {"tissue": {1: (1e10, 0.3)}, "foam": {1: (2e9, 0.35)}, "grains": {1: (1e10, 0.25), 2: (4e10, 0.2)},
+             "shells": {1: (1e10, 0.25), 2: (4e10, 0.2)}}
 BARE = {0: "void"}
 
 
@@ -90,11 +92,24 @@ def nearest_owner(size, points):
     return owner
 
 
-def sample(kind, n):
+def packed(program, n, work):
+    """Spheres of 16 voxels in the mean, cemented."""
+    count = max(30, round(0.64 * n**3 / (4 / 3 * np.pi * 8**3)))
+    for words in (["packing", "--dimension", "3", "--count", count, "--aspect", "1", "--periodic", "-o", "grains.vtp"],
+                  ["bridges", "grains.vtp", "--saturation", "40%", "--nodes", n, "-o", "grains.vti"],
+                  ["convert", "grains.vti", "--array", "phase", "-o", "grains_u8.raw"]):
+        done = subprocess.run([program, *map(str, words), "--quiet", "--overwrite"], cwd=work, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            sys.exit(done.stderr)
+    about = json.loads(subprocess.run([program, "info", "grains.vti", "--json"], cwd=work, capture_output=True, text=True, check=True).stdout)
+    return np.fromfile(work / "grains_u8.raw", np.uint8).reshape(about["size"][::-1])
+
+
+def sample(kind, n, program=None, work=None):
     """Larger ones are tiles of 200."""
     if n > 200 and n % 200 == 0:
-        return np.tile(drawn(kind, 200), (n // 200,) * 3)
-    return drawn(kind, n)
+        return np.tile(sample(kind, 200, program, work), (n // 200,) * 3)
+    return packed(program, n, work) if kind == "grains" else drawn(kind, n)
 
 
 def cpu_of(command):
@@ -143,7 +158,7 @@ def measure_sizes(keys, folder, work):
     table = Table(folder, "sizes", ["sample", "size", "solid", "loads", *COSTS, "young_x"])
     for kind in MATERIALS:
         for n in map(int, keys.get("size", "64,128,200,400").split(",")):
-            phase = sample(kind, n)
+            phase = sample(kind, n, keys["lamella"], work)
             file = work / "volume_u8.raw"
             phase.tofile(file)
             one = n >= 400
@@ -176,8 +191,8 @@ def measure_peers(keys, folder, work):
     table = Table(folder, "peers", ["sample", "size", "program", "c11", "c44", "iterations", "wall_seconds", "cpu_seconds", "peak_bytes"])
     file = work / "volume_u8.raw"
     for kind, materials in {**MATERIALS, "foam": {1: (2e9, 0.35), 0: (1e8, 0.3)}}.items():
-        for n in (64, 100):
-            phase = drawn(kind, n)
+        for n in map(int, keys.get("size", "64,100").split(",")):
+            phase = sample(kind, n, keys["lamella"], work)
             phase.tofile(file)
             found, cpu = solved(keys["lamella"], file, phase.shape[::-1], materials, 1, "--tolerance", "1e-7")
             c = found["stiffness"]
@@ -185,7 +200,7 @@ def measure_peers(keys, folder, work):
             table.add(kind, n, "lamella", c[0][0] / 1e9, c[3][3] / 1e9, max(found["iterations"]), wall, cpu, found["peak_memory_bytes"])
             for peer in filter(None, keys.get("peers", "").split(",")):
                 name, _, python = peer.partition(":")
-                words = [python, str(pathlib.Path(__file__).with_name("elements-peers.py")), name, str(file), f"{n},{n},{n}", "1e-4"]
+                words = [python, str(pathlib.Path(__file__).with_name("elements-peers.py")), name, str(file), ",".join(map(str, phase.shape[::-1])), "1e-4"]
                 words += [f"{i}={young / 1e9!r},{poisson!r}" for i, (young, poisson) in materials.items()]
                 done, _ = cpu_of(words)
                 if done.returncode != 0:

@@ -28,7 +28,8 @@ template <int D>
 class ElasticMultigrid
 {
 public:
-  /// @param largestEigenvalue  by element shapes: an upper bound of the eigenvalues of the finest elements' matrices over
+  /// @param largestEigenvalue  by element shapes: an upper bound of the eigenvalues of the finest elements' matrices
+  /// over
   ///                        their mean diagonal, for the given edges over the shortest
   ElasticMultigrid(const ElasticOperator<D>& finest,
     std::function<double(std::array<double, D> widths)> largestEigenvalue, const ElasticMultigridOptions& options = {});

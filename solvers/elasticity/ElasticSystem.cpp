@@ -25,7 +25,10 @@ constexpr int delay = 4;
 constexpr int directions = 24;     // of an axis, among which an element's largest eigenvalue is looked for
 constexpr double stiffPieces = 30; // contrast from which on pieces of the stiff phases move as bodies
 constexpr double standIn = 100;    // a rigid phase is so much stiffer than all others, to multigrid
-constexpr double nothing = 1e-3;   // of the tolerance, in one step
+// What is left of the energy of the mean strain below which rounding does not let it be known.
+constexpr double leastSingle = 1e-6;
+constexpr double leastExact = 1e-12;
+constexpr double nothing = 1e-3; // of the tolerance, in one step
 
 } // namespace
 
@@ -344,6 +347,27 @@ ModuliRows<Real> ElasticSystem<D>::rowsOf(const Tables<Real>& tables) const
 }
 
 template <int D>
+ModuliRows<float> ElasticSystem<D>::keptRows(const ModuliRows<float>& made)
+{
+  const std::int64_t nx = problem_.elements[0];
+  const std::int64_t length = nx + spareValues;
+  constexpr int kinds = stiffnessSize(D);
+  kept_.assign(static_cast<std::size_t>(kinds * length * problem_.elements[D - 1]), 0.0F);
+  ModuliBuffer<D, float> buffer(nx);
+  for (std::int64_t k = 0; k < problem_.elements[D - 1]; ++k)
+  {
+    made(0, k, buffer.buffer.data(), buffer.rows.data());
+    for (std::int64_t m = 0; m < kinds; ++m)
+      std::copy_n(buffer.rows[static_cast<std::size_t>(m)], nx, kept_.data() + length * (m + kinds * k));
+  }
+  return [data = kept_.data(), length](std::int64_t, std::int64_t plane, float* const*, const float** rows)
+  {
+    for (std::int64_t m = 0; m < kinds; ++m)
+      rows[m] = data + length * (m + kinds * plane);
+  };
+}
+
+template <int D>
 ElasticSystem<D>::ElasticSystem(const ElasticProblem<D>& problem, const ElasticOptions& options)
   : problem_(problem)
   , options_(options)
@@ -358,8 +382,11 @@ ElasticSystem<D>::ElasticSystem(const ElasticProblem<D>& problem, const ElasticO
     for (std::size_t a = 0; a < D; ++a)
       grid.width[a].assign(
         static_cast<std::size_t>(grid.elements[a]), static_cast<float>(problem.aspect[a] == 0 ? 1 : problem.aspect[a]));
-  op_ = std::make_unique<ElasticOperator<D>>(
-    grid, isotropic_, rowsOf<float>(single_), rowsOf<double>(exact64_), problem.threads);
+  ModuliRows<float> single = rowsOf<float>(single_);
+  if constexpr (D == 2)
+    if (!isotropic_) // in the plane there is room for them
+      single = keptRows(single);
+  op_ = std::make_unique<ElasticOperator<D>>(grid, isotropic_, single, rowsOf<double>(exact64_), problem.threads);
   const bool constrained = !standIn_.stiffness[0].empty();
   if (constrained)
   {
@@ -385,33 +412,40 @@ template <int D>
 std::size_t ElasticSystem<D>::bytes() const noexcept
 {
   return sizeof(float) * (x_.size() + r_.size() + p_.size() + z_.size() + 2 * exact_.size()) + problem_.phase.size() +
-    sizeof(problem_.axis[0]) * problem_.axis.size() + op_->bytes() + (stiffOp_ ? stiffOp_->bytes() : 0) +
-    multigrid_->bytes() + (pieces_ ? pieces_->bytes() : 0) + (bodies_ ? bodies_->bytes() : 0);
+    sizeof(float) * kept_.size() + sizeof(problem_.axis[0]) * problem_.axis.size() + op_->bytes() +
+    (stiffOp_ ? stiffOp_->bytes() : 0) + multigrid_->bytes() + (pieces_ ? pieces_->bytes() : 0) +
+    (bodies_ ? bodies_->bytes() : 0);
 }
 
 template <int D>
-std::array<double, voigtSize(D) * voigtSize(D)> ElasticSystem<D>::voigtBound() const
+std::array<double, voigtSize(D) * voigtSize(D)> voigtBound(const ElasticProblem<D>& problem)
 {
   constexpr int n = voigtSize(D);
   std::array<double, stiffnessSize(D)> mean{};
   std::array<double, 256> counts{};
-  const double each = 1.0 / static_cast<double>(problem_.phase.size());
-  for (std::size_t i = 0; i < problem_.phase.size(); ++i)
+  const double each = 1.0 / static_cast<double>(problem.phase.size());
+  for (std::size_t i = 0; i < problem.phase.size(); ++i)
   {
-    const ElasticLaw<D>& law = problem_.laws[problem_.phase[i]];
+    const ElasticLaw<D>& law = problem.laws[problem.phase[i]];
     if (!law.turns())
-      ++counts[problem_.phase[i]];
+      ++counts[problem.phase[i]];
     else
     {
-      const auto c = law.turnedTo(problem_.axis[i]);
+      const auto c = law.turnedTo(problem.axis[i]);
       for (std::size_t k = 0; k < c.size(); ++k)
         mean[k] += each * c[k];
     }
   }
-  for (std::size_t id = 0; id < problem_.laws.size(); ++id)
+  for (std::size_t id = 0; id < problem.laws.size(); ++id)
     for (std::size_t k = 0; k < mean.size(); ++k)
-      mean[k] += counts[id] * each * problem_.laws[id].stiffness[k];
+      mean[k] += counts[id] * each * problem.laws[id].stiffness[k];
   std::array<double, n * n> bound{};
+  for (std::size_t id = 0; id < problem.laws.size(); ++id)
+    if (problem.laws[id].rigid && counts[id] > 0)
+    {
+      bound.fill(std::numeric_limits<double>::infinity());
+      return bound;
+    }
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < n; ++j)
       bound[static_cast<std::size_t>(i * n + j)] = mean[static_cast<std::size_t>(triangle(n, i, j))];
@@ -526,7 +560,7 @@ double ElasticSystem<D>::startEnergy(const ElasticLoad<D>& load) const
   if (!bodies_)
   {
     double whole = 0;
-    const auto bound = voigtBound();
+    const auto bound = voigtBound(problem_);
     for (std::size_t a = 0; a < m; ++a)
       for (std::size_t b = 0; b < m; ++b)
         whole += voxels / scale_ * bound[a * m + b] * load.strain[a] * load.strain[b];
@@ -744,7 +778,8 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       falls[static_cast<std::size_t>(result.iterations % delay)] = alpha * rz;
       fallen += alpha * rz;
       ++result.iterations;
-      const double unit = load.initial ? fallen : std::max(whole - fallen, 1e-12 * whole);
+      const double unit =
+        load.initial ? fallen : std::max(whole - fallen, (options_.fields ? leastExact : leastSingle) * whole);
       result.solverError = std::min(1.0, std::accumulate(falls.begin(), falls.end(), 0.0) / unit);
       const bool enough = result.iterations >= delay && result.solverError <= options_.tolerance;
       // layers are exact after a step or two; and below rounding there is nothing to be had
@@ -804,6 +839,8 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   return result;
 }
 
+template std::array<double, 9> voigtBound(const ElasticProblem<2>&);
+template std::array<double, 36> voigtBound(const ElasticProblem<3>&);
 template struct ElasticLaw<2>;
 template struct ElasticLaw<3>;
 template class ElasticSystem<2>;

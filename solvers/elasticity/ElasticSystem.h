@@ -87,6 +87,10 @@ struct ElasticResult
   int iterations = 0;
 };
 
+/// Mean stiffness of the voxels, by rows [Pa]: all of them follow the mean strain. Infinite where some are rigid.
+template <int D>
+[[nodiscard]] std::array<double, voigtSize(D) * voigtSize(D)> voigtBound(const ElasticProblem<D>& problem);
+
 /// Displacements in a box of voxels, one bilinear or trilinear element each, under a mean strain: conjugate gradients
 /// in single precision, sums in double, preconditioned by ElasticMultigrid.
 ///
@@ -116,8 +120,6 @@ public:
     const double* const* strain, const double* const* stress)>;
   /// Of the last solve, whose load this was. With `fields` only.
   void forFields(const ElasticLoad<D>& load, const FieldRow& f) const;
-  /// Mean stiffness of the voxels, by rows [Pa]: all of them follow the mean strain.
-  [[nodiscard]] std::array<double, voigtSize(D) * voigtSize(D)> voigtBound() const;
   [[nodiscard]] double scale() const noexcept { return scale_; } ///< the largest modulus [Pa]
   [[nodiscard]] std::size_t bytes() const noexcept;
   [[nodiscard]] std::size_t levels() const noexcept { return multigrid_->levels(); }
@@ -149,6 +151,8 @@ private:
   void requireAxes() const;
   template <class Real>
   [[nodiscard]] ModuliRows<Real> rowsOf(const Tables<Real>& tables) const;
+  /// The same, made once: rows of a plane.
+  [[nodiscard]] ModuliRows<float> keptRows(const ModuliRows<float>& made);
   void findPieces();
   /// Energy of the mean strain and the displacements there are, in units of the kernels, summed over voxels.
   [[nodiscard]] double startEnergy(const ElasticLoad<D>& load) const;
@@ -162,7 +166,8 @@ private:
   std::vector<bool> full_;  ///< by phase id: a tensor of its own among laws that turn
   Tables<float> single_;
   Tables<double> exact64_;
-  Tables<float> standIn_; ///< rigid phases stiff instead, for what multigrid works with
+  std::vector<float> kept_; ///< moduli of all elements of a picture that are not isotropic
+  Tables<float> standIn_;   ///< rigid phases stiff instead, for what multigrid works with
   std::unique_ptr<ElasticOperator<D>> op_;
   std::unique_ptr<ElasticOperator<D>> stiffOp_; ///< where phases are rigid
   std::unique_ptr<RigidPieces<D>> bodies_;      ///< likewise

@@ -12,8 +12,13 @@
 #include <Eigen/Dense>
 #include <fmt/format.h>
 
+#include <omp.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <exception>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <numeric>
@@ -27,6 +32,14 @@ namespace
 // Every second, third and fourth voxel make pictures; of each kind about so many are solved.
 constexpr std::array strides{ 2, 3, 4 };
 constexpr std::size_t fewPictures = 8;
+// Contrast from which on stiff pieces count as rigid, and what that errs by, over the soft phases' share of the
+// stiffness.
+constexpr double nearlyRigid = 1e5;
+constexpr double softShare = 10;
+// Largest stiffness over the bound of uniform strain below which displacements are in double.
+constexpr double soft = 1e-4;
+// Voxels from which on a picture has all threads.
+constexpr double aloneFrom = 1e6;
 // A picture of fewer pixels along an axis tells nothing.
 constexpr std::int64_t fewestAcross = 3;
 // Eigenvalues of the tensor at most this share of the largest are none.
@@ -60,7 +73,7 @@ Solid findSolid(const Lattice& lattice, std::span<const std::uint8_t> phase, con
     return solid;
   }
   pores::LabelOptions o;
-  o.connectivity = lattice.dimension == 3 ? 6 : 4;
+  o.connectivity = lattice.dimension == 3 ? 26 : 8; // elements that share a node hold each other
   for (int a = 0; a < lattice.dimension; ++a)
     o.periodic[static_cast<std::size_t>(a)] = sides == StiffnessSides::Periodic;
   const Communicator alone;
@@ -143,7 +156,7 @@ public:
     requireSides();
     if (options_.tensor)
     {
-      const Solved cell = solve(lattice_, phase_, axis_, solid, 0, own, all);
+      const Solved cell = solve(lattice_, phase_, axis_, solid, progressOf(0, own, all), options_.threads);
       if (cell.step.stiffness.empty())
         throw NoPathError(
           "the solid leads across the box along no axis", "take another window, or make it less porous");
@@ -211,7 +224,7 @@ private:
   }
 
   [[nodiscard]] ElasticProblem<D> problemOf(
-    const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid) const
+    const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid, int threads) const
   {
     ElasticProblem<D> problem;
     for (std::size_t a = 0; a < D; ++a)
@@ -223,8 +236,52 @@ private:
     problem.phase = solid.kept.empty() ? phase : std::span<const std::uint8_t>(solid.kept);
     problem.laws = laws_;
     problem.axis = axis;
-    problem.threads = options_.threads;
+    problem.threads = threads;
     return problem;
+  }
+
+  // Stiff pieces in phases that are softer by more than single precision can tell move as bodies; where some piece goes
+  // on from cell to cell, it carries, and the soft phases hardly matter. @returns what that errs by, relative
+  double stiffen(ElasticProblem<D>& problem, const Lattice& lattice) const
+  {
+    if (options_.sides != StiffnessSides::Periodic || expands_)
+      return 0;
+    std::array<bool, 256> present{};
+    for (const std::uint8_t id : problem.phase)
+      present[id] = true;
+    std::vector<double> moduli;
+    const auto modulusOf = [&](std::size_t id) { return *std::ranges::max_element(problem.laws[id].stiffness); };
+    for (std::size_t id = 0; id < problem.laws.size(); ++id)
+      if (present[id] && !isVoid_[id])
+      {
+        if (problem.laws[id].rigid || problem.laws[id].turns())
+          return 0;
+        moduli.push_back(modulusOf(id));
+      }
+    std::ranges::sort(moduli, std::greater());
+    std::size_t stiff = 1;
+    while (stiff < moduli.size() && moduli[stiff - 1] <= nearlyRigid * moduli[stiff])
+      ++stiff;
+    if (stiff >= moduli.size())
+      return 0;
+    std::vector<std::uint8_t> mask(problem.phase.size());
+    for (std::size_t i = 0; i < mask.size(); ++i)
+      mask[i] = !isVoid_[problem.phase[i]] && modulusOf(problem.phase[i]) >= moduli[stiff - 1] ? 1 : 0;
+    pores::LabelOptions o;
+    o.connectivity = D == 3 ? 26 : 8;
+    for (std::size_t a = 0; a < D; ++a)
+      o.periodic[a] = true;
+    const Communicator alone;
+    const pores::PoreLabelling labelling(lattice, alone, mask, 1, o);
+    if (std::ranges::any_of(labelling.pores(), [](const pores::Pore& piece) { return piece.percolates != 0; }))
+      return 0;
+    for (std::size_t id = 0; id < problem.laws.size(); ++id)
+      if (!isVoid_[id] && present[id] && modulusOf(id) >= moduli[stiff - 1])
+      {
+        problem.laws[id] = {};
+        problem.laws[id].rigid = true;
+      }
+    return softShare * moduli[stiff] / moduli[stiff - 1];
   }
 
   // A solver for loads, made anew where sides hold something else.
@@ -258,9 +315,16 @@ private:
     double setupSeconds_ = 0;
   };
 
-  // Progress goes from `from` on by `length`, of `all`.
-  Solved solve(const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid, double from,
-    double length, double all) const
+  using Progress = std::function<bool(double share)>;
+  // Of the whole study's work, from `from` on by `length`, of `all`.
+  [[nodiscard]] Progress progressOf(double from, double length, double all) const
+  {
+    return [this, from, length, all](double share)
+    { return !options_.progress || options_.progress((from + length * share) / all); };
+  }
+
+  Solved solve(const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid,
+    const Progress& progress, int threads, bool exact = false) const
   {
     const double start = seconds();
     Solved s;
@@ -271,9 +335,12 @@ private:
       return s;
     const int loads = between(options_.sides) ? D : n;
     int load = 0;
-    Solver solver(problemOf(lattice, phase, axis, solid),
-      solverOptions([&](double done)
-        { return !options_.progress || options_.progress((from + length * (load + done) / loads) / all); }));
+    ElasticProblem<D> problem = problemOf(lattice, phase, axis, solid, threads);
+    s.voigt = voigtBound(problem);
+    s.solverError = stiffen(problem, lattice);
+    ElasticOptions settings = solverOptions([&](double done) { return progress((load + done) / loads); });
+    settings.fields = exact;
+    Solver solver(std::move(problem), settings);
     const auto count = [&](const ElasticResult<D>& result)
     {
       s.step.iterations.push_back(result.iterations);
@@ -316,7 +383,10 @@ private:
     }
     if (options_.sides == StiffnessSides::UniformStress)
       s.tensor = s.tensor.inverse().eval();
-    s.voigt = solver.system().voigtBound();
+    // hardly anything carries: single precision has lost it
+    const double most = *std::ranges::max_element(s.voigt);
+    if (!exact && std::isfinite(most) && !(s.tensor.diagonal().maxCoeff() > soft * most))
+      return solve(lattice, phase, axis, solid, progress, threads, true);
     s.levels = solver.system().levels();
     s.bytes = static_cast<double>(solver.system().bytes() + solid.kept.size());
     s.setupSeconds = solver.setupSeconds();
@@ -347,8 +417,7 @@ private:
   {
     const double start = seconds();
     const VoxelLoad& given = *options_.load;
-    ElasticOptions o =
-      solverOptions([&](double done) { return !options_.progress || options_.progress((from + length * done) / all); });
+    ElasticOptions o = solverOptions(progressOf(from, length, all));
     const bool changes = given.change != 0 && expands_;
     std::vector<float> times(given.source.begin(), given.source.end());
     for (float& t : times)
@@ -372,7 +441,7 @@ private:
         heldStress = given.change * Eigen::Map<const Eigen::VectorXd>(held_.data(), n);
       else
       {
-        Solver solver(problemOf(lattice_, phase_, axis_, solid), o);
+        Solver solver(problemOf(lattice_, phase_, axis_, solid, options_.threads), o);
         ElasticSystem<D>& system = solver.holding(held);
         ElasticLoad<D> expanding;
         expanding.initial = system.eigenstress(strains, times);
@@ -385,7 +454,7 @@ private:
     }
     const auto [strain, stress] = meansOf(given, r, heldStress, which);
     o.fields = static_cast<bool>(options_.fields);
-    Solver solver(problemOf(lattice_, phase_, axis_, solid), o);
+    Solver solver(problemOf(lattice_, phase_, axis_, solid, options_.threads), o);
     ElasticSystem<D>& system = solver.holding(held);
     ElasticLoad<D> load;
     const bool pulled = options_.sides == StiffnessSides::UniformStress;
@@ -723,11 +792,9 @@ private:
       {
         if (!serves(p, stride, matters))
           continue;
-        SubsampleTensors answer{ static_cast<double>(stride), {} };
-        StiffnessStep sum{ answer.stride, 0, 0, std::vector<double>(n * n, 0.0), std::vector<std::int64_t>(n, 0), 0 };
-        add(averaged(stride, matters), done, all, sum, answer);
-        r.steps.push_back(std::move(sum));
-        found.push_back(answer.tensors.front());
+        found.push_back(solvePictures(
+          r, stride, 1, [&](std::size_t) { return averaged(stride, matters); }, done, all)
+                          .tensors.front());
       }
       r.error = sharedStiffnessError(r.stiffness, found.front(),
         found.size() > 1 ? std::span<const double>(found[1]) : std::span<const double>(), D,
@@ -743,37 +810,72 @@ private:
       Lattice varying = p;
       for (std::size_t a = 0; a < D; ++a)
         varying.size[a] = matters[a] ? p.size[a] : 1;
-      SubsampleTensors answer{ thinning.stride, {} };
-      StiffnessStep sum{ thinning.stride, 0, 0, std::vector<double>(n * n, 0.0), std::vector<std::int64_t>(n, 0), 0 };
-      for (const auto& first : subsampleStarts(varying, stride, fewPictures))
-      {
-        const Thinned picture = thinned(thinning, first);
-        add(picture, done, all, sum, answer);
-      }
-      for (double& c : sum.stiffness)
-        c /= sum.pictures;
-      r.steps.push_back(std::move(sum));
-      tensors.push_back(std::move(answer));
+      const auto starts = subsampleStarts(varying, stride, fewPictures);
+      tensors.push_back(solvePictures(
+        r, thinning.stride, starts.size(), [&](std::size_t i) { return thinned(thinning, starts[i]); }, done, all));
     }
     r.error = stiffnessError(r.stiffness, tensors, D, { .zero = leastStiffness(options_.tolerance) });
   }
 
-  // Solves a coarser picture.
-  void add(const Thinned& picture, double& done, double all, StiffnessStep& sum, SubsampleTensors& answer) const
+  // Solves coarser pictures of one kind; small ones side by side, one thread each.
+  SubsampleTensors solvePictures(VoxelStiffness& r, double every, std::size_t count,
+    const std::function<Thinned(std::size_t)>& draw, double& done, double all) const
   {
-    const auto voxels = static_cast<double>(picture.lattice.count());
-    const Solid solid = findSolid(picture.lattice, picture.phase, isVoid_, voidId_, options_.sides);
-    const Solved s = solve(picture.lattice, picture.phase, picture.axis, solid, done, voxels, all);
-    done += voxels;
-    answer.tensors.push_back(s.step.stiffness.empty() ? std::vector<double>(n * n, 0.0) : s.step.stiffness);
-    ++sum.pictures;
-    sum.nodes += s.step.nodes;
-    sum.seconds += s.step.seconds;
-    for (std::size_t i = 0; i < sum.stiffness.size(); ++i)
-      sum.stiffness[i] += answer.tensors.back()[i];
-    sum.iterations.resize(std::max(sum.iterations.size(), s.step.iterations.size()), 0);
-    for (std::size_t i = 0; i < s.step.iterations.size(); ++i)
-      sum.iterations[i] += s.step.iterations[i];
+    const double start = seconds();
+    const Thinned first = draw(0);
+    const auto voxels = static_cast<double>(first.lattice.count());
+    const bool beside = options_.threads > 1 && count > 1 && voxels < aloneFrom;
+    const int workers = beside ? std::min(options_.threads, static_cast<int>(count)) : 1;
+    std::vector<Solved> solved(count);
+    std::vector<std::exception_ptr> failures(count);
+    const auto shares = std::make_unique<std::atomic<double>[]>(count);
+    std::atomic<bool> stopped{ false };
+#pragma omp parallel for num_threads(workers) if (workers > 1) schedule(dynamic)
+    for (std::size_t i = 0; i < count; ++i)
+    {
+      try
+      {
+        const Thinned picture = i == 0 ? first : draw(i);
+        const Solid solid = findSolid(picture.lattice, picture.phase, isVoid_, voidId_, options_.sides);
+        const Progress progress = [&, i](double share)
+        {
+          shares[i] = share;
+          double sum = 0;
+          for (std::size_t k = 0; k < count; ++k)
+            sum += shares[k];
+          if (omp_get_thread_num() == 0 && options_.progress && !options_.progress((done + voxels * sum) / all))
+            stopped = true;
+          return !stopped;
+        };
+        solved[i] = solve(picture.lattice, picture.phase, picture.axis, solid, progress, beside ? 1 : options_.threads);
+      }
+      catch (...)
+      {
+        failures[i] = std::current_exception();
+      }
+    }
+    if (stopped)
+      throw Cancelled();
+    for (const std::exception_ptr& failure : failures)
+      if (failure)
+        std::rethrow_exception(failure);
+    done += voxels * static_cast<double>(count);
+    SubsampleTensors answer{ every, {} };
+    StiffnessStep sum{ every, 0, 0, std::vector<double>(n * n, 0.0), std::vector<std::int64_t>(n, 0), 0 };
+    for (const Solved& s : solved)
+    {
+      answer.tensors.push_back(s.step.stiffness.empty() ? std::vector<double>(n * n, 0.0) : s.step.stiffness);
+      ++sum.pictures;
+      sum.nodes += s.step.nodes;
+      for (std::size_t i = 0; i < sum.stiffness.size(); ++i)
+        sum.stiffness[i] += answer.tensors.back()[i] / static_cast<double>(count);
+      sum.iterations.resize(std::max(sum.iterations.size(), s.step.iterations.size()), 0);
+      for (std::size_t i = 0; i < s.step.iterations.size(); ++i)
+        sum.iterations[i] += s.step.iterations[i];
+    }
+    sum.seconds = seconds() - start;
+    r.steps.push_back(std::move(sum));
+    return answer;
   }
 
   // The box in larger voxels, whose shares are means.
@@ -844,7 +946,8 @@ double voxelStiffnessBytes(const Lattice& lattice, const VoxelKinds& kinds)
   const double moduli = kinds.isotropic ? 2 : stiffnessSize(d);
   const double children = d == 3 ? 7 : 3; // levels are 1/8 + 1/64 + … of the finest, or 1/4 + …
   return nodes * ((kinds.fields ? 20.0 : 16.0) * d + 4 * (2 * d + moduli) / children) +
-    (kinds.turns ? 15.0 : 3.0) * static_cast<double>(lattice.count());
+    ((kinds.turns ? 15.0 : 3.0) + (d == 2 && !kinds.isotropic ? 4.0 * moduli : 0.0)) *
+    static_cast<double>(lattice.count());
 }
 
 namespace

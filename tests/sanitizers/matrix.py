@@ -80,6 +80,8 @@ SOLVERS = {
                                        "d3q19", "--sides", "periodic", "--tolerance", "1e-1", "--no-error-estimate", horizons=False, cost=0.02),
     "transient": bonds("transient", "--pixel-size", "1um", "--diffusivity", "wall=1e-9", "--diffusivity", "void=2e-9",
                        "--direction", "x", "--end-time", "4e-3", "--frames", "2", horizons=False, cost=0.01),
+    "stiffness": bonds("stiffness", "--young", "wall=1e9", "--tolerance", "1e-2", "--mean-strain", "xx=0.01", periodic=True, horizons=False,
+                       cost=0.05),
     "bond-stiffness": bonds("bond-stiffness", *BONDS, "--tolerance", "0.1", "--no-error-estimate", periodic=True, cost=0.55),
     "equilibrium": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1", cost=0.14),
     "equilibrium, periodic shear": bonds("equilibrium", *BONDS, "--strain", "1e-3", "--tolerance", "0.1", "--periodic", "x", "--load", "shear",

@@ -19,16 +19,18 @@ import traceback
 
 import bonds
 import conduction
+import elements
 import grains
 import points
 from settings import Fault, Refused, Setting
 
 SOLVERS = {  # and how many of a hundred settings
-    "diffusion": (conduction.diffusion, 18),
-    "transient": (conduction.transient, 10),
+    "diffusion": (conduction.diffusion, 17),
+    "transient": (conduction.transient, 8),
     "outlines": (conduction.outlines, 8),
-    "bond-stiffness": (bonds.stiffness, 12),
-    "equilibrium": (bonds.equilibrium, 12),
+    "stiffness": (elements.stiffness, 9),
+    "bond-stiffness": (bonds.stiffness, 8),
+    "equilibrium": (bonds.equilibrium, 10),
     "fracture": (bonds.fracture, 8),
     "dynamics": (bonds.dynamics, 8),
     "compression": (points.compression, 10),

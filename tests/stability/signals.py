@@ -48,6 +48,7 @@ COMMANDS = [
     ("diffusion", ["diffusion", "large.png", "--conductivity", "lumen=0.02", "--conductivity", "wall=1", "--lattice", "d2q9", "-o", "k.vti"], ""),
     ("diffusion-3d", ["diffusion", "rock.vti", "--conductivity", "matrix=1", "--conductivity", "inclusion=1e-3", "--lattice", "d3q19"], ""),
     ("transient", ["transient", "tissue.png", *HEAT, "--checkpoint", "run.h5", "-o", "heat.vti"], "run.h5"),
+    ("stiffness", ["stiffness", "wood.vti", "--young", "wall=1e10", "--tolerance", "1e-12", "-o", "s.vti", "--mean-strain", "xx=0.01"], ""),
     ("bond-stiffness", ["bond-stiffness", "wood.vti", "--young", "wall=1e10", "--horizon", "3"], ""),
     ("equilibrium", ["equilibrium", "large.png", *WALL, "--tolerance", "1e-9", "-o", "pulled.vti"], ""),
     ("fracture", ["fracture", "tissue.png", *WALL, "--checkpoint", "run.h5"], "run.h5"),
