@@ -589,6 +589,34 @@ TEST(VoxelStiffness, ExpansionIsLevins)
     EXPECT_NEAR(r.expansion[static_cast<std::size_t>(k)], exact(k), 1e-6 * a1);
 }
 
+// The same with displacements in double, to eight digits.
+TEST(Elasticity, ExpansionIsLevinsInDouble)
+{
+  const auto sample = noise<3>({ 9, 8, 10 }, 2, 9);
+  const auto problem = problemOf<3>(sample, { inSpace(1, 0.3), inSpace(8, 0.2) });
+  ElasticOptions o;
+  o.tolerance = 1e-20;
+  o.fields = true;
+  const Eigen::MatrixXd c = solved(problem, 1e-10);
+  ElasticSystem<3> system(problem, o);
+  std::array<FreeStrain<3>, 2> free;
+  free[0].strain = { 3, 3, 3, 0, 0, 0 };
+  free[1].strain = { 0.5, 0.5, 0.5, 0, 0, 0 };
+  ElasticLoad<3> load;
+  load.initial = system.eigenstress(free);
+  const ElasticResult<3> r = system.solve(load);
+  const Eigen::VectorXd found = -c.inverse() * Eigen::Map<const Eigen::VectorXd>(r.stress.data(), 6);
+  const Eigen::MatrixXd s0 = matrixOf(problem.laws[0]).inverse();
+  const Eigen::MatrixXd s1 = matrixOf(problem.laws[1]).inverse();
+  const double share = static_cast<double>(std::count(sample.phase.begin(), sample.phase.end(), 1)) /
+    static_cast<double>(sample.phase.size());
+  Eigen::VectorXd unit(6);
+  unit << 1, 1, 1, 0, 0, 0;
+  const Eigen::VectorXd exact = ((1 - share) * 3 + share * 0.5) * unit +
+    (c.inverse() - (1 - share) * s0 - share * s1) * (s1 - s0).inverse() * (-2.5 * unit);
+  EXPECT_LT((found - exact).norm(), 1e-8 * exact.norm());
+}
+
 // Uniform strain is an upper bound, mirror images and repetition lie below it; all within Voigt's and Reuss's.
 TEST(VoxelStiffness, BoundsAreInOrder)
 {
@@ -990,6 +1018,57 @@ TEST(VoxelStiffness, Honeycombs)
     EXPECT_NEAR(r.constants.youngsModulus[0], modulus, 0.01 * modulus) << fraction;
     EXPECT_NEAR(r.constants.youngsModulus[1], modulus, 0.01 * modulus) << fraction;
   }
+}
+
+// The strain in a stiff disk of a wide plate is uniform (Eshelby, Proc. R. Soc. A 241 (1957) 376; plane strain): of the
+// mean strain E its trace over 1 + α (k₁/k₀ − 1), its rest over 1 + β (G₁/G₀ − 1), α = k₀/(k₀ + G₀), β = (k₀ + 2 G₀)/(2
+// (k₀ + G₀)). Here the disk is 0.5 % of a box that repeats, 41 pixels across: both tell by 2 %.
+TEST(VoxelStiffness, EshelbysStrainInside)
+{
+  const int n = 512;
+  const double radius = n * std::sqrt(0.005 / 3.14159265358979);
+  Sample<2> sample({ n, n });
+  const auto from = [&](std::int64_t x, std::int64_t y)
+  { return std::hypot(static_cast<double>(x) + 0.5 - 0.5 * n, static_cast<double>(y) + 0.5 - 0.5 * n); };
+  sample.fill([&](const auto& at) { return from(at[0], at[1]) < radius ? 1 : 0; });
+  const auto moduli = [](double young, double poisson) // bulk in the plane, shear
+  {
+    return std::array{ young / (2 * (1 + poisson) * (1 - 2 * poisson)), young / (2 * (1 + poisson)) };
+  };
+  const auto [k0, g0] = moduli(1, 0.3);
+  const auto [k1, g1] = moduli(10, 0.2);
+  const double trace = 1 / (1 + k0 / (k0 + g0) * (k1 / k0 - 1));
+  const double rest = 1 / (1 + (k0 + 2 * g0) / (2 * (k0 + g0)) * (g1 / g0 - 1));
+  VoxelStiffnessOptions o;
+  o.estimateError = false;
+  o.tensor = false;
+  o.tolerance = 1e-9;
+  o.load.emplace();
+  o.load->strain = { 1, 0, 0.5 };
+  std::array<double, 3> mean{};
+  double square = 0;
+  double count = 0;
+  o.fields = [&](std::int64_t, std::int64_t y, const double* const*, const double* const* e, const double* const*)
+  {
+    for (int x = 0; x < n; ++x)
+      if (from(x, y) < 0.6 * radius)
+      {
+        count += 1;
+        square += e[0][x] * e[0][x];
+        for (std::size_t k = 0; k < 3; ++k)
+          mean[k] += e[k][x];
+      }
+  };
+  (void)studyVoxelStiffness(makeLattice(n, n, 1, 2, 1e-6), sample.phase,
+    materialsOf(
+      { isotropicStiffness(Continuum::PlaneStrain, 1, 0.3), isotropicStiffness(Continuum::PlaneStrain, 10, 0.2) }),
+    {}, o);
+  for (double& e : mean)
+    e /= count;
+  EXPECT_NEAR(mean[0], 0.5 * trace + 0.5 * rest, 0.01 * rest);
+  EXPECT_NEAR(mean[1], 0.5 * trace - 0.5 * rest, 0.01 * rest);
+  EXPECT_NEAR(mean[2], 0.5 * rest, 0.01 * rest);
+  EXPECT_LT(std::sqrt(square / count - mean[0] * mean[0]), 0.015 * mean[0]); // of steps of the border
 }
 
 // A layer that shares its voxels, across x, y and z: the laminate itself, its expansion too.
