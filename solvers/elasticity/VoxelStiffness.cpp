@@ -943,10 +943,12 @@ double voxelStiffnessBytes(const Lattice& lattice, const VoxelKinds& kinds)
   double nodes = 1;
   for (std::size_t a = 0; a < static_cast<std::size_t>(d); ++a)
     nodes *= static_cast<double>(lattice.size[a] + 1);
-  const double moduli = kinds.isotropic ? 2 : stiffnessSize(d);
+  const double kind = kinds.isotropic ? 2 : stiffnessSize(d);
+  // rows of coarse levels have spare values behind them
+  const double moduli = kind * (1 + 2 * static_cast<double>(spareValues) / static_cast<double>(lattice.size[0]));
   const double children = d == 3 ? 7 : 3; // levels are 1/8 + 1/64 + … of the finest, or 1/4 + …
   return nodes * ((kinds.fields ? 20.0 : 16.0) * d + 4 * (2 * d + moduli) / children) +
-    ((kinds.turns ? 15.0 : 3.0) + (d == 2 && !kinds.isotropic ? 4.0 * moduli : 0.0)) *
+    ((kinds.turns ? 15.0 : 3.0) + (d == 2 && !kinds.isotropic ? 4.0 * kind : 0.0)) *
     static_cast<double>(lattice.count());
 }
 

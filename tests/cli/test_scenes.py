@@ -556,6 +556,7 @@ fraction = "sample.packing_fraction"
             "fracture": ["--sample.count=20", "--bridges.nodes=32", "--sample.seed=1", "--bridges.width=0.75"],
             "dynamics": ["--sample.size=[40, 10]", "--dynamics.end-time=1e-5"],
             "compression": ["--sample.size=[24, 24]", "--compression.strain=0.04", "--compression.at-strain=0.02"],
+            "stiffness": ["--sample.count=30", "--bridges.nodes=40", "--bridges.saturation=[0.5, 0.7]"],
             "bond-stiffness": ["--sample.size=[48, 48]", "--sample.solid-fraction=[0.3, 0.4]"],
         }
         self.assertEqual(sorted(small), sorted(name[:-5] for name in os.listdir(EXAMPLES) if name.endswith(".toml")))

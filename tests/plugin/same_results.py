@@ -160,12 +160,12 @@ class SameResults(unittest.TestCase):
         self.same("m.vti", lamella.dynamics(self.sample, density=1500, max_broken=5, **BONDS).vtk)
 
     def test_stiffness(self):
-        self.run_program("stiffness", "t.vti", "--young", "wall=10GPa", "--mean-strain", "xx=0.01", "--mean-stress", "yy=0", "-o", "e.vti",
-                         "--constants", "e.csv", "--directions", "e.vtp")
+        self.run_program("stiffness", "t.vti", "--young", "wall=10GPa", "--mean-strain", "xx=0.01", "--mean-stress", "yy=0", "-o", "element.vti",
+                         "--constants", "element.csv", "--directions", "element.vtp")
         found = lamella.stiffness(self.sample, {"wall": 1e10}, mean_strain={"xx": 0.01}, mean_stress={"yy": 0})
-        self.same("e.vti", found.vtk)
-        self.same("e.vtp", found.vtk_directions)
-        self.same_table("e.csv", lamella.arrays(found.vtk_constants))
+        self.same("element.vti", found.vtk)
+        self.same("element.vtp", found.vtk_directions)
+        self.same_table("element.csv", lamella.arrays(found.vtk_constants))
 
     def test_bond_stiffness(self):
         self.run_program("bond-stiffness", "t.vti", "--young", "wall=10GPa", "--no-error-estimate", "-o", "s.csv")
