@@ -22,6 +22,11 @@ constexpr double leastProgress = 0.25; // of its square, or no more is tried
 // What the energy has fallen in the last steps is what it still had to fall before them, at least (Strakoš & Tichý,
 // Electron. Trans. Numer. Anal. 13 (2002) 56).
 constexpr int delay = 4;
+// Of phases that differ by more than this, modes may be left that hardly fall and that nothing tells: errors count for
+// so many times more, at most `mostDoubt` times.
+constexpr double usualContrast = 100;
+constexpr double mostDoubt = 1e4;
+constexpr double slowest = 0.95;   // fall over so many steps, relative
 constexpr int directions = 24;     // of an axis, among which an element's largest eigenvalue is looked for
 constexpr double stiffPieces = 30; // contrast from which on pieces of the stiff phases move as bodies
 constexpr double standIn = 100;    // a rigid phase is so much stiffer than all others, to multigrid
@@ -287,6 +292,8 @@ void ElasticSystem<D>::findPieces()
       most = std::max(most, stiffnessOf(id));
       least = std::min(least, stiffnessOf(id));
     }
+  if (most > 0)
+    doubt_ = std::clamp(most / (usualContrast * least), 1.0, mostDoubt);
   if (!(most > stiffPieces * least))
     return;
   std::vector<bool> stiff(256, false);
@@ -407,6 +414,9 @@ ElasticSystem<D>::ElasticSystem(const ElasticProblem<D>& problem, const ElasticO
   p_.assign(n, 0.0F);
   z_.assign(n, 0.0F);
 }
+
+template <int D>
+ElasticSystem<D>::~ElasticSystem() = default;
 
 template <int D>
 std::size_t ElasticSystem<D>::bytes() const noexcept
@@ -552,12 +562,32 @@ void ElasticSystem<D>::forFields(const ElasticLoad<D>& load, const FieldRow& f) 
 }
 
 template <int D>
+void ElasticSystem<D>::correctPieces()
+{
+  // z += Q (r − A z)
+  const ElasticGrid<D>& g = op_->grid();
+  typename PieceMotions<D>::Sums sums(pieces_->motions());
+  op_->template sweep<float>(z_.data(), nullptr, false,
+    [&](int, std::int64_t k, std::int64_t j, float* const* rows)
+    {
+      for (int c = 0; c < D; ++c)
+      {
+        const float* const r = r_.data() + c * g.componentStride() + g.at(j, k);
+        for (std::int64_t i = 0; i < g.rowLength(); ++i)
+          rows[c][i] = r[i] - rows[c][i];
+      }
+      sums.add(j, k, rows);
+    });
+  pieces_->add(sums.total(), op_->threads(), z_.data());
+}
+
+template <int D>
 double ElasticSystem<D>::startEnergy(const ElasticLoad<D>& load) const
 {
   constexpr std::size_t m = voigtSize(D);
   const ElasticGrid<D>& g = op_->grid();
   const auto voxels = static_cast<double>(g.elements[0] * g.elementRows() * g.elementPlanes());
-  if (!bodies_)
+  if (!bodies_ && !pieces_)
   {
     double whole = 0;
     const auto bound = voigtBound(problem_);
@@ -578,6 +608,18 @@ double ElasticSystem<D>::startEnergy(const ElasticLoad<D>& load) const
 
 namespace
 {
+
+// What the energy may have had to fall before the last few steps, at most about: what it fell in them, and more where
+// it falls slowly, by how the steps before them fell.
+double leftOf(const std::array<double, 2 * delay>& falls, int iterations)
+{
+  double last = 0;
+  double before = 0;
+  for (int k = 1; k <= std::min(iterations, 2 * delay); ++k)
+    (k <= delay ? last : before) += falls[static_cast<std::size_t>((iterations - k) % (2 * delay))];
+  const double ratio = before > 0 ? std::min(last / before, slowest) : 0.0;
+  return last / (1 - ratio);
+}
 
 template <int D>
 [[noreturn]] void fail(const ElasticResult<D>& result, int most)
@@ -652,6 +694,12 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   };
   ElasticResult<D> result;
   double rr = freshResidual();
+  if (pieces_) // from where no force is left on them
+  {
+    options_.fields ? pieces_->add(pieces_->forces(r_.data()), threads, exact_.data())
+                    : pieces_->add(pieces_->forces(r_.data()), threads, x_.data());
+    rr = freshResidual();
+  }
   const double first = rr;
   // what rounding leaves of the load's forces
   double given = 0;
@@ -671,7 +719,7 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   // energies in units of the kernels, summed over voxels
   const auto voxels = static_cast<double>(g.elements[0] * g.elementRows() * g.elementPlanes());
   const double whole = load.initial ? 0.0 : startEnergy(load);
-  std::array<double, delay> falls{};
+  std::array<double, 2 * delay> falls{};
   double fallen = 0;
   bool converged = !(rr > floor);
   // r·z, and the means of z's components that are free to shift; r·z is that without them.
@@ -738,7 +786,7 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
         fail(result, options_.maxIterations);
       multigrid_->cycle(r_.data(), z_.data());
       if (pieces_)
-        pieces_->add(r_.data(), z_.data(), threads);
+        correctPieces();
       if (bodies_)
         bodies_->project(z_.data(), threads);
       // Translations that nothing holds are taken off: once the residual is near rounding they would grow.
@@ -775,17 +823,17 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       rr = step(alpha);
       if (!std::isfinite(rr))
         fail(result, options_.maxIterations);
-      falls[static_cast<std::size_t>(result.iterations % delay)] = alpha * rz;
+      falls[static_cast<std::size_t>(result.iterations % (2 * delay))] = alpha * rz;
       fallen += alpha * rz;
       ++result.iterations;
       const double unit =
         load.initial ? fallen : std::max(whole - fallen, (options_.fields ? leastExact : leastSingle) * whole);
-      result.solverError = std::min(1.0, std::accumulate(falls.begin(), falls.end(), 0.0) / unit);
-      const bool enough = result.iterations >= delay && result.solverError <= options_.tolerance;
+      result.solverError = std::min(1.0, doubt_ * leftOf(falls, result.iterations) / unit);
+      const bool enough = result.iterations > delay && result.solverError <= options_.tolerance;
       // layers are exact after a step or two; and below rounding there is nothing to be had
-      if (!enough && (alpha * rz <= nothing * options_.tolerance * unit || !(rr > floor)))
+      if (!enough && (doubt_ * alpha * rz <= nothing * options_.tolerance * unit || !(rr > floor)))
         result.solverError = std::min(1.0, alpha * rz / unit);
-      converged = enough || alpha * rz <= nothing * options_.tolerance * unit;
+      converged = enough || doubt_ * alpha * rz <= nothing * options_.tolerance * unit;
       if (options_.progress && !options_.progress(result.iterations, result.solverError))
         throw Cancelled();
     }

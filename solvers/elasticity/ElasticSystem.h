@@ -101,6 +101,7 @@ class ElasticSystem
 {
 public:
   ElasticSystem(const ElasticProblem<D>& problem, const ElasticOptions& options);
+  ~ElasticSystem();
   ElasticSystem(const ElasticSystem&) = delete;
   ElasticSystem& operator=(const ElasticSystem&) = delete;
 
@@ -154,12 +155,14 @@ private:
   /// The same, made once: rows of a plane.
   [[nodiscard]] ModuliRows<float> keptRows(const ModuliRows<float>& made);
   void findPieces();
+  void correctPieces();
   /// Energy of the mean strain and the displacements there are, in units of the kernels, summed over voxels.
   [[nodiscard]] double startEnergy(const ElasticLoad<D>& load) const;
 
   ElasticProblem<D> problem_;
   ElasticOptions options_;
   double scale_ = 1; ///< the largest modulus [Pa]
+  double doubt_ = 1; ///< what estimated errors are multiplied by
   bool isotropic_ = true;
   bool turns_ = false;
   std::vector<bool> rigid_; ///< by phase id

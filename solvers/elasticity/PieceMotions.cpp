@@ -120,11 +120,29 @@ PieceMotions<D>::PieceMotions(const ElasticGrid<D>& grid, std::span<const std::u
         const bool goesOn = i > 0 && owner[static_cast<std::size_t>(i - 1)] == o &&
           static_cast<double>(i) != pieces_[static_cast<std::size_t>(o)].low[0];
         if (!goesOn)
-          runs_.push_back({ o, static_cast<std::int32_t>(i), 0 });
+          runs_.push_back({ o, static_cast<std::int32_t>(i), 0, 0 });
         ++runs_.back().count;
       }
       begin_.push_back(runs_.size());
     }
+  lists_.resize(static_cast<std::size_t>(grid_.planes()));
+  std::vector<std::int32_t> place(pieces_.size(), -1);
+  for (std::size_t plane = 0; plane < lists_.size(); ++plane)
+  {
+    const auto rows = static_cast<std::size_t>(grid_.rows());
+    for (std::size_t r = begin_[plane * rows]; r < begin_[(plane + 1) * rows]; ++r)
+    {
+      std::int32_t& local = place[static_cast<std::size_t>(runs_[r].piece)];
+      if (local < 0)
+      {
+        local = static_cast<std::int32_t>(lists_[plane].size());
+        lists_[plane].push_back(runs_[r].piece);
+      }
+      runs_[r].local = local;
+    }
+    for (const std::int32_t piece : lists_[plane])
+      place[static_cast<std::size_t>(piece)] = -1;
+  }
 }
 
 template <int D>
@@ -154,19 +172,81 @@ template <class F>
 void PieceMotions<D>::forRuns(std::int64_t plane, F&& f) const
 {
   for (std::int64_t j = 0; j < grid_.rows(); ++j)
+    forRunsOfRow(j, plane, f);
+}
+
+template <int D>
+template <class F>
+void PieceMotions<D>::forRunsOfRow(std::int64_t j, std::int64_t plane, F&& f) const
+{
+  const auto row = static_cast<std::size_t>(j + grid_.rows() * plane);
+  for (std::size_t r = begin_[row]; r < begin_[row + 1]; ++r)
   {
-    const auto row = static_cast<std::size_t>(j + grid_.rows() * plane);
-    for (std::size_t r = begin_[row]; r < begin_[row + 1]; ++r)
-    {
-      const Run& run = runs_[r];
-      std::array<std::int64_t, D> node{};
-      node[0] = run.first;
-      node[D - 1] = plane;
-      if constexpr (D == 3)
-        node[1] = j;
-      f(run, grid_.at(j, plane) + run.first, fromCentre(pieces_[static_cast<std::size_t>(run.piece)], node));
-    }
+    const Run& run = runs_[r];
+    std::array<std::int64_t, D> node{};
+    node[0] = run.first;
+    node[D - 1] = plane;
+    if constexpr (D == 3)
+      node[1] = j;
+    f(run, grid_.at(j, plane) + run.first, fromCentre(pieces_[static_cast<std::size_t>(run.piece)], node));
   }
+}
+
+template <int D>
+template <class Real>
+void PieceMotions<D>::addMoments(
+  const Run& run, const Eigen::Matrix<double, D, 1>& d, const std::array<const Real*, D>& forces, Affine& sum) const
+{
+  for (int c = 0; c < D; ++c)
+  {
+    const Real* const f = forces[static_cast<std::size_t>(c)];
+    double whole = 0;
+    double along = 0;
+    for (std::int32_t i = 0; i < run.count; ++i)
+    {
+      whole += static_cast<double>(f[i]);
+      along += static_cast<double>(i) * static_cast<double>(f[i]);
+    }
+    sum.shift(c) += whole;
+    sum.slope.row(c) += whole * d.transpose();
+    sum.slope(c, 0) += edge_[0] * along;
+  }
+}
+
+template <int D>
+PieceMotions<D>::Sums::Sums(const PieceMotions& pieces)
+  : pieces_(pieces)
+{
+  for (const auto& list : pieces.lists_)
+    planes_.emplace_back(list.size());
+}
+
+template <int D>
+void PieceMotions<D>::Sums::add(std::int64_t row, std::int64_t plane, const float* const* forces)
+{
+  pieces_.forRunsOfRow(
+    row, plane,
+    [&](const Run& run, std::int64_t, const Eigen::Matrix<double, D, 1>& d)
+    {
+      std::array<const float*, D> f{};
+      for (std::size_t c = 0; c < D; ++c)
+        f[c] = forces[c] + run.first;
+      pieces_.addMoments(run, d, f, planes_[static_cast<std::size_t>(plane)][static_cast<std::size_t>(run.local)]);
+    });
+}
+
+template <int D>
+std::vector<typename PieceMotions<D>::Affine> PieceMotions<D>::Sums::total() const
+{
+  std::vector<Affine> sums(pieces_.pieces_.size());
+  for (std::size_t plane = 0; plane < planes_.size(); ++plane)
+    for (std::size_t i = 0; i < planes_[plane].size(); ++i)
+    {
+      Affine& sum = sums[static_cast<std::size_t>(pieces_.lists_[plane][i])];
+      sum.shift += planes_[plane][i].shift;
+      sum.slope += planes_[plane][i].slope;
+    }
+  return sums;
 }
 
 template <int D>
@@ -178,21 +258,10 @@ std::vector<typename PieceMotions<D>::Affine> PieceMotions<D>::moments(const Rea
     forRuns(k,
       [&](const Run& run, std::int64_t at, const Eigen::Matrix<double, D, 1>& d)
       {
-        Affine& sum = sums[static_cast<std::size_t>(run.piece)];
+        std::array<const Real*, D> f{};
         for (int c = 0; c < D; ++c)
-        {
-          const Real* const f = forces + c * grid_.componentStride() + at;
-          double whole = 0;
-          double along = 0;
-          for (std::int32_t i = 0; i < run.count; ++i)
-          {
-            whole += static_cast<double>(f[i]);
-            along += static_cast<double>(i) * static_cast<double>(f[i]);
-          }
-          sum.shift(c) += whole;
-          sum.slope.row(c) += whole * d.transpose();
-          sum.slope(c, 0) += edge_[0] * along;
-        }
+          f[static_cast<std::size_t>(c)] = forces + c * grid_.componentStride() + at;
+        addMoments(run, d, f, sums[static_cast<std::size_t>(run.piece)]);
       });
   return sums;
 }

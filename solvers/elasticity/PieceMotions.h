@@ -15,7 +15,7 @@ namespace lamella::elasticity
 /// Connected pieces of some phases in a box of elements, and displacements of their nodes that are affine in each:
 /// u = shift + slope · d, with d from the piece's centre. Voxels that share a node belong together.
 ///
-/// Memory: 12 bytes a run of nodes along x.
+/// Memory: 16 bytes a run of nodes along x.
 template <int D>
 class PieceMotions
 {
@@ -53,6 +53,19 @@ public:
   /// Σ f and Σ f ⊗ d of each piece, in one order.
   template <class Real>
   [[nodiscard]] std::vector<Affine> moments(const Real* forces) const;
+  /// The same of forces that are known row by row, each plane by one thread.
+  class Sums
+  {
+  public:
+    explicit Sums(const PieceMotions& pieces);
+    /// @param forces one component after the other, of a row's nodes from the first on
+    void add(std::int64_t row, std::int64_t plane, const float* const* forces);
+    [[nodiscard]] std::vector<Affine> total() const;
+
+  private:
+    const PieceMotions& pieces_;
+    std::vector<std::vector<Affine>> planes_; ///< by the plane's own list of pieces
+  };
   /// How many nodes each has, Σ d and Σ d ⊗ d.
   struct Inertia
   {
@@ -77,15 +90,22 @@ private:
     std::int32_t piece = 0;
     std::int32_t first = 0;
     std::int32_t count = 0;
+    std::int32_t local = 0; ///< place of the piece in its plane's list
   };
   template <class F>
   void forRuns(std::int64_t plane, F&& f) const;
+  template <class F>
+  void forRunsOfRow(std::int64_t row, std::int64_t plane, F&& f) const;
+  template <class Real>
+  void addMoments(
+    const Run& run, const Eigen::Matrix<double, D, 1>& d, const std::array<const Real*, D>& forces, Affine& sum) const;
 
   ElasticGrid<D> grid_;
   std::array<double, D> edge_{};
   std::vector<Piece> pieces_;
   std::vector<Run> runs_;
-  std::vector<std::size_t> begin_; ///< of the runs of each row of nodes
+  std::vector<std::size_t> begin_;               ///< of the runs of each row of nodes
+  std::vector<std::vector<std::int32_t>> lists_; ///< the pieces of each plane
 };
 
 } // namespace lamella::elasticity

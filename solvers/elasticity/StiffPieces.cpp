@@ -36,8 +36,8 @@ template <int D>
 void StiffPieces<D>::assemble(
   std::span<const std::uint8_t> phase, const std::function<ElementMatrix(std::uint8_t)>& element)
 {
-  using Moved = Eigen::Matrix<double, D * corners, motions>;
-  using Block = Eigen::Matrix<double, motions, motions>;
+  using Moved = Eigen::Matrix<double, D * corners, bodyMotions>;
+  using Block = Eigen::Matrix<double, bodyMotions, bodyMotions>;
   const std::vector<std::int32_t> owners = motion_.owners();
   std::map<std::uint8_t, ElementMatrix> matrices;
   std::map<std::pair<std::int32_t, std::int32_t>, Block> blocks;
@@ -132,9 +132,9 @@ void StiffPieces<D>::assemble(
 }
 
 template <int D>
-void StiffPieces<D>::add(const float* r, float* z, int threads) const
+template <class Real>
+void StiffPieces<D>::add(std::vector<typename PieceMotions<D>::Affine> affine, int threads, Real* u) const
 {
-  std::vector<typename PieceMotions<D>::Affine> affine = motion_.moments(r);
   Eigen::VectorXd right(first_.back());
   for (std::size_t p = 0; p < affine.size(); ++p)
     right.segment(first_[p], motionsOf(p)) = PieceMotions<D>::workOf(affine[p]).head(motionsOf(p));
@@ -145,10 +145,14 @@ void StiffPieces<D>::add(const float* r, float* z, int threads) const
     motion.head(motionsOf(p)) = moved.segment(first_[p], motionsOf(p));
     affine[p] = PieceMotions<D>::affineOf(motion);
   }
-  motion_.place(std::span<const typename PieceMotions<D>::Affine>(affine), true, threads, z);
+  motion_.place(std::span<const typename PieceMotions<D>::Affine>(affine), true, threads, u);
 }
 
 template class StiffPieces<2>;
 template class StiffPieces<3>;
+template void StiffPieces<2>::add(std::vector<PieceMotions<2>::Affine>, int, float*) const;
+template void StiffPieces<3>::add(std::vector<PieceMotions<3>::Affine>, int, float*) const;
+template void StiffPieces<2>::add(std::vector<PieceMotions<2>::Affine>, int, double*) const;
+template void StiffPieces<3>::add(std::vector<PieceMotions<3>::Affine>, int, double*) const;
 
 } // namespace lamella::elasticity

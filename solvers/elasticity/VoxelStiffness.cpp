@@ -275,6 +275,9 @@ private:
     const pores::PoreLabelling labelling(lattice, alone, mask, 1, o);
     if (std::ranges::any_of(labelling.pores(), [](const pores::Pore& piece) { return piece.percolates != 0; }))
       return 0;
+    o.connectivity = D == 3 ? 6 : 4;
+    if (pores::PoreLabelling(lattice, alone, mask, 1, o).pores().size() != labelling.pores().size())
+      return 0; // some turn about a corner or an edge
     for (std::size_t id = 0; id < problem.laws.size(); ++id)
       if (!isVoid_[id] && present[id] && modulusOf(id) >= moduli[stiff - 1])
       {
