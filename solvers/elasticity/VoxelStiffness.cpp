@@ -36,6 +36,7 @@ constexpr std::size_t fewPictures = 8;
 // stiffness.
 constexpr double nearlyRigid = 1e5;
 constexpr double softShare = 10;
+constexpr double mostHanging = 1e-3; // of the stiff voxels, by corners or edges alone
 // Largest stiffness over the bound of uniform strain below which displacements are in double.
 constexpr double soft = 1e-4;
 // Voxels from which on a picture has all threads.
@@ -275,16 +276,39 @@ private:
     const pores::PoreLabelling labelling(lattice, alone, mask, 1, o);
     if (std::ranges::any_of(labelling.pores(), [](const pores::Pore& piece) { return piece.percolates != 0; }))
       return 0;
+    // what hangs on a piece by a corner or an edge alone would turn about it
     o.connectivity = D == 3 ? 6 : 4;
-    if (pores::PoreLabelling(lattice, alone, mask, 1, o).pores().size() != labelling.pores().size())
-      return 0; // some turn about a corner or an edge
+    const pores::PoreLabelling byFaces(lattice, alone, mask, 1, o);
+    double hanging = 0;
+    if (byFaces.pores().size() != labelling.pores().size())
+    {
+      std::vector<std::int32_t> whole(mask.size());
+      std::vector<std::int32_t> part(mask.size());
+      labelling.labels(whole);
+      byFaces.labels(part);
+      std::vector<std::int64_t> largest(labelling.pores().size() + 1, 0);
+      for (std::size_t i = 0; i < mask.size(); ++i)
+        if (mask[i] != 0)
+          largest[static_cast<std::size_t>(whole[i])] = std::max(
+            largest[static_cast<std::size_t>(whole[i])], byFaces.pores()[static_cast<std::size_t>(part[i] - 1)].size);
+      double all = 0;
+      double carried = 0;
+      for (std::size_t k = 0; k < labelling.pores().size(); ++k)
+      {
+        all += static_cast<double>(labelling.pores()[k].size);
+        carried += static_cast<double>(largest[k + 1]);
+      }
+      hanging = (all - carried) / all;
+      if (hanging > mostHanging)
+        return 0;
+    }
     for (std::size_t id = 0; id < problem.laws.size(); ++id)
       if (!isVoid_[id] && present[id] && modulusOf(id) >= moduli[stiff - 1])
       {
         problem.laws[id] = {};
         problem.laws[id].rigid = true;
       }
-    return softShare * moduli[stiff] / moduli[stiff - 1];
+    return softShare * (moduli[stiff] / moduli[stiff - 1] + hanging);
   }
 
   // A solver for loads, made anew where sides hold something else.
