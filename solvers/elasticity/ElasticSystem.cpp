@@ -33,6 +33,7 @@ constexpr double standIn = 100;    // a rigid phase is so much stiffer than all 
 // What is left of the energy of the mean strain below which rounding does not let it be known.
 constexpr double leastSingle = 1e-6;
 constexpr double leastExact = 1e-12;
+constexpr double wrong = 1e-3;   // of the energy of the mean strain
 constexpr double nothing = 1e-3; // of the tolerance, in one step
 
 } // namespace
@@ -870,6 +871,10 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
     }
     result.energy += scale_ * part[2 * n] / voxels;
   }
+  // what is found cannot be stiffer than the mean strain, nor less than nothing
+  const double most = scale_ * whole / voxels;
+  if (!load.initial && !(std::abs(result.energy - 0.5 * most) <= (0.5 + wrong) * most))
+    fail(result, result.iterations);
   if (bodies_) // their stress is what holds them
   {
     residual();

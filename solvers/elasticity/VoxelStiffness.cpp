@@ -38,7 +38,15 @@ constexpr double nearlyRigid = 1e5;
 constexpr double softShare = 10;
 constexpr double mostHanging = 1e-3; // of the stiff voxels, by corners or edges alone
 // Largest stiffness over the bound of uniform strain below which displacements are in double.
-constexpr double soft = 1e-4;
+constexpr double soft = 1e-3;
+// The same for what iterations leave, over the largest stiffness.
+constexpr double poor = 1e-4;
+constexpr double lost = 0.01;
+constexpr double none = 1e-9; // stiffness
+// What single precision leaves of a stiffness as large as that bound.
+constexpr double rounding = 5e-8;
+// Of a strain's energy, left by iterations, from which on people are warned.
+constexpr double muchLeft = 0.01;
 // Voxels from which on a picture has all threads.
 constexpr double aloneFrom = 1e6;
 // A picture of fewer pixels along an axis tells nothing.
@@ -162,6 +170,10 @@ public:
         throw NoPathError(
           "the solid leads across the box along no axis", "take another window, or make it less porous");
       take(r, cell);
+      if (cell.solverError > muchLeft)
+        r.warnings.push_back(fmt::format("iterations leave up to {:.2g} of the energy of some strain: the phases' "
+                                         "contrast is near what numbers can tell",
+          cell.solverError));
       held_ = cell.held;
     }
     fill(r, solid);
@@ -342,6 +354,15 @@ private:
     double setupSeconds_ = 0;
   };
 
+  // The largest stiffness by uniform strain, but for rigid phases.
+  static double largestOf(const ElasticProblem<D>& problem)
+  {
+    ElasticProblem<D> deforming = problem;
+    for (ElasticLaw<D>& law : deforming.laws)
+      law.rigid = false;
+    return std::ranges::max(voigtBound(deforming));
+  }
+
   using Progress = std::function<bool(double share)>;
   // Of the whole study's work, from `from` on by `length`, of `all`.
   [[nodiscard]] Progress progressOf(double from, double length, double all) const
@@ -365,13 +386,16 @@ private:
     ElasticProblem<D> problem = problemOf(lattice, phase, axis, solid, threads);
     s.voigt = voigtBound(problem);
     s.solverError = stiffen(problem, lattice);
+    const double most = largestOf(problem);
     ElasticOptions settings = solverOptions([&](double done) { return progress((load + done) / loads); });
     settings.fields = exact;
     Solver solver(std::move(problem), settings);
+    double doubt = 0; // [Pa]
     const auto count = [&](const ElasticResult<D>& result)
     {
       s.step.iterations.push_back(result.iterations);
       s.solverError = std::max(s.solverError, result.solverError);
+      doubt = std::max(doubt, result.solverError * std::abs(result.energy));
     };
     for (; load < loads; ++load)
     {
@@ -411,9 +435,17 @@ private:
     if (options_.sides == StiffnessSides::UniformStress)
       s.tensor = s.tensor.inverse().eval();
     // hardly anything carries: single precision has lost it
-    const double most = *std::ranges::max_element(s.voigt);
-    if (!exact && std::isfinite(most) && !(s.tensor.diagonal().maxCoeff() > soft * most))
+    const double found = s.tensor.diagonal().maxCoeff();
+    const bool strains = options_.sides != StiffnessSides::UniformStress;
+    if (!exact && (!(found > soft * most) || (strains && doubt > poor * found)))
       return solve(lattice, phase, axis, solid, progress, threads, true);
+    if (exact && strains && found > none * most && doubt > lost * found)
+      throw DivergenceError(
+        fmt::format("iterations leave {:.1g} of the stiffness: the phases' contrast is more than numbers can tell",
+          doubt / found),
+        "make the softest phase void, or the stiffest one rigid");
+    if (!exact)
+      s.solverError += rounding * most / found;
     s.levels = solver.system().levels();
     s.bytes = static_cast<double>(solver.system().bytes() + solid.kept.size());
     s.setupSeconds = solver.setupSeconds();
