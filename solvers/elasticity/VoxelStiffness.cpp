@@ -41,6 +41,7 @@ constexpr double mostHanging = 1e-3; // of the stiff voxels, by corners or edges
 constexpr double soft = 1e-3;
 // The same for what iterations leave, over the largest stiffness.
 constexpr double poor = 1e-4;
+constexpr double finestSingle = 1e-8; // tolerance
 constexpr double lost = 0.01;
 constexpr double none = 1e-9; // stiffness
 // What single precision leaves of a stiffness as large as that bound.
@@ -371,8 +372,24 @@ private:
     { return !options_.progress || options_.progress((from + length * share) / all); };
   }
 
+  // In single precision, and where that does not end, in double.
   Solved solve(const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid,
-    const Progress& progress, int threads, bool exact = false) const
+    const Progress& progress, int threads) const
+  {
+    try
+    {
+      return solve(lattice, phase, axis, solid, progress, threads, options_.tolerance < finestSingle);
+    }
+    catch (const DivergenceError&)
+    {
+      if (options_.tolerance < finestSingle)
+        throw;
+    }
+    return solve(lattice, phase, axis, solid, progress, threads, true);
+  }
+
+  Solved solve(const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid,
+    const Progress& progress, int threads, bool exact) const
   {
     const double start = seconds();
     Solved s;
