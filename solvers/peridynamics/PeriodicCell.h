@@ -1,7 +1,7 @@
 #pragma once
 
-#include "peridynamics/CellBounds.h"
 #include "elasticity/ElasticConstants.h"
+#include "peridynamics/CellBounds.h"
 #include "peridynamics/Equilibrium.h"
 
 #include <array>

@@ -3,10 +3,10 @@
 #include "PointBox.h"
 
 #include "core/Error.h"
+#include "elasticity/ElasticConstants.h"
 #include "lattice/Phases.h"
 #include "mpm/WallCells.h"
 #include "mpm/WallMaterial.h"
-#include "elasticity/ElasticConstants.h"
 #include "pictures/Picture.h"
 
 #include <gtest/gtest.h>

@@ -133,9 +133,9 @@ std::vector<Command> addCommands(CLI::App& root)
 {
   return { generateCommand(root), diffusionCommand(root), transientCommand(root), fluxMapCommand(root),
     packingCommand(root), bridgesCommand(root), equilibriumCommand(root), fractureCommand(root), dynamicsCommand(root),
-    compressionCommand(root), stiffnessCommand(root), bondStiffnessCommand(root), poreFloodFillCommand(root), micrographCommand(root),
-    stressPdfCommand(root), crackPathCommand(root), compressionCurveCommand(root), collapseMapCommand(root),
-    snapshotCommand(root) };
+    compressionCommand(root), stiffnessCommand(root), bondStiffnessCommand(root), poreFloodFillCommand(root),
+    micrographCommand(root), stressPdfCommand(root), crackPathCommand(root), compressionCurveCommand(root),
+    collapseMapCommand(root), snapshotCommand(root) };
 }
 
 bool parseWords(CLI::App& root, const std::vector<std::string>& words)

@@ -6,8 +6,8 @@
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
-#include "mpm/PointStiffness.h"
 #include "elasticity/ElasticConstants.h"
+#include "mpm/PointStiffness.h"
 
 #include "vtkDoubleArray.h"
 #include "vtkImageData.h"
