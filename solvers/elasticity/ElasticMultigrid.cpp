@@ -177,18 +177,21 @@ bool ElasticMultigrid<D>::coarsen()
     for (auto& w : to.width)
       w.clear();
 
+  fine.below = fine.halved[D - 1] ? from.parts.halved(to.planes()) : from.parts;
+  to.parts = to.ownNodes() > fewNodes && fine.below.split() && fine.below.beginEven() ? fine.below : PlaneParts{};
+
   // moduli are over the edge's square and times the volume, so that sums make means
   const int kinds = fine.op->moduliCount();
-  const std::int64_t length = to.elements[0] + spareValues;
-  const std::int64_t rows = to.elementRows();
-  auto moduli =
-    std::make_shared<std::vector<float>>(static_cast<std::size_t>(kinds * length * rows * to.elementPlanes()), 0.0F);
+  auto moduli = std::make_unique<StoredModuli<D>>(to, kinds);
+  const std::int64_t firstPlane = fine.below.split() ? fine.below.first() : 0;
+  const std::int64_t lastPlane =
+    fine.below.split() ? std::min(fine.below.last(), to.elementPlanes()) : to.elementPlanes();
   const auto factor = static_cast<float>((from.edge / to.edge) * (from.edge / to.edge));
 #pragma omp parallel num_threads(fine.op->threads()) if (fine.op->threads() > 1)
   {
     ModuliBuffer<D, float> buffer(from.elements[0]);
 #pragma omp for schedule(static)
-    for (std::int64_t plane = 0; plane < to.elementPlanes(); ++plane)
+    for (std::int64_t plane = firstPlane; plane < lastPlane; ++plane)
     {
       const bool halvedPlanes = fine.halved[D - 1];
       const std::int64_t k0 = halvedPlanes ? 2 * plane : plane;
@@ -199,7 +202,7 @@ bool ElasticMultigrid<D>::coarsen()
           const std::int64_t row = D == 3 && fine.halved[1] ? j / 2 : j;
           for (int m = 0; m < kinds; ++m)
           {
-            float* const out = moduli->data() + length * (m + kinds * (row + rows * plane));
+            float* const out = moduli->row(m, row, plane);
             const float* const in = buffer.rows[static_cast<std::size_t>(m)];
             for (std::int64_t i = 0; i < from.elements[0]; ++i)
               out[fine.halved[0] ? i / 2 : i] += factor * in[i];
@@ -207,19 +210,18 @@ bool ElasticMultigrid<D>::coarsen()
         }
     }
   }
-  const ModuliRows<float> read = [data = moduli->data(), kinds, length, rows](
-                                   std::int64_t row, std::int64_t plane, float* const*, const float** out)
-  {
-    for (int m = 0; m < kinds; ++m)
-      out[m] = data + length * (m + kinds * (row + rows * plane));
-  };
+  if (to.parts.split())
+    moduli->takeBelow(to.parts);
+  else
+    moduli->gather(fine.below);
   auto level = std::make_unique<Level>();
-  level->own = std::make_unique<ElasticOperator<D>>(to, fine.op->isotropic(), read, nullptr, fine.op->threads());
+  level->own =
+    std::make_unique<ElasticOperator<D>>(to, fine.op->isotropic(), moduli->rows(), nullptr, fine.op->threads());
   level->op = level->own.get();
-  level->moduli = moduli;
+  level->moduli = std::move(moduli);
   level->b.assign(to.values(), 0.0F);
   level->x.assign(to.values(), 0.0F);
-  fine.spill.assign(static_cast<std::size_t>(fine.op->threads() * 2 * D * to.planeStride()), 0.0F);
+  fine.spill.assign(static_cast<std::size_t>((fine.op->threads() * 2 + 1) * D * to.planeStride()), 0.0F);
   setFactors(*level, options_.coarseSmoothing);
   levels_.push_back(std::move(level));
   return true;
@@ -308,7 +310,7 @@ void ElasticMultigrid<D>::restrictResidual(const Level& fine, const float* b, co
   {
     for (int c = 0; c < D; ++c)
       kernels.add(
-        plane, 1.0F, spill(thread, coarsePlane, c), coarse.b.data() + c * g.componentStride() + coarsePlane * plane);
+        plane, 1.0F, spill(thread, coarsePlane, c), coarse.b.data() + c * g.componentStride() + g.at(0, coarsePlane));
   };
   const auto firstCoarse = [&](int thread) { return fine.op->slab(thread)[0] / 2; };
   std::vector<std::vector<float>> rows(
@@ -350,23 +352,29 @@ void ElasticMultigrid<D>::restrictResidual(const Level& fine, const float* b, co
       const bool complete = k % 2 != 0 || k + 1 == last;
       if (complete && k / 2 > first / 2)
         addSpill(thread, k / 2);
-      if (complete && k % 2 != 0 && k == f.elements[D - 1]) // its own coarse plane
-        addSpill(thread, k / 2 + 1);
     });
   const int threads = fine.op->threads();
+  if (halvedPlanes && f.parts.split()) // the last thread's, to the next rank
+    f.parts.up(spill(threads - 1, f.last() / 2, 0), spill(threads, 0, 0), static_cast<std::size_t>(D * plane));
   for (int t = 0; t < threads && halvedPlanes; ++t)
   {
-    if (t == 0 && !f.periodic[D - 1])
+    if (t == 0 && f.first() == 0 && !f.periodic[D - 1])
       continue;
-    const int before = (t + threads - 1) % threads;
-    const std::int64_t end = fine.op->slab(before)[1];
+    const bool other = t == 0 && f.parts.split();
+    const int before = other ? threads : (t + threads - 1) % threads;
+    const std::int64_t end = !other ? fine.op->slab(before)[1] : f.first() == 0 ? f.planes() : f.first();
     if (end % 2 == 0) // ended between two coarse planes
       for (int c = 0; c < D; ++c)
-        kernels.add(
-          plane, 1.0F, spill(before, end / 2, c), coarse.b.data() + c * g.componentStride() + firstCoarse(t) * plane);
+        kernels.add(plane, 1.0F, spill(before, other ? 0 : end / 2, c),
+          coarse.b.data() + c * g.componentStride() + g.at(0, firstCoarse(t)));
   }
+  if (f.parts.split() && !g.parts.split())
+    for (int c = 0; c < D; ++c)
+      fine.below.gather(std::span(coarse.b).subspan(static_cast<std::size_t>(c * g.componentStride()),
+                          static_cast<std::size_t>(g.componentStride())),
+        g.planes());
   for (int c = 0; c < D; ++c)
-    for (std::int64_t k = 0; k < g.planes(); ++k)
+    for (std::int64_t k = g.first(); k < g.last(); ++k)
       for (std::int64_t j = 0; j < g.rows(); ++j)
         g.forHeld(j, k, c,
           [&](std::int64_t from, std::int64_t count)
@@ -380,11 +388,22 @@ void ElasticMultigrid<D>::addFrom(const Level& coarse, const Level& fine, float*
   const ElasticGrid<D>& g = coarse.op->grid();
   const ElasticKernels& kernels = elasticKernels();
   const int threads = fine.op->threads();
+  const std::int64_t plane = g.planeStride();
+  std::vector<float> above; // the plane of all components above the rank's own ones
+  if (g.parts.split() && fine.halved[D - 1])
+  {
+    std::vector<float> own;
+    for (int c = 0; c < D; ++c)
+      own.insert(
+        own.end(), coarse.x.begin() + c * g.componentStride(), coarse.x.begin() + c * g.componentStride() + plane);
+    above.resize(own.size());
+    g.parts.down(own.data(), above.data(), own.size());
+  }
 #pragma omp parallel num_threads(threads) if (threads > 1)
   {
     std::vector<float> row(static_cast<std::size_t>(g.rowLength() + 1));
 #pragma omp for schedule(static)
-    for (std::int64_t k = 0; k < f.planes(); ++k)
+    for (std::int64_t k = f.first(); k < f.last(); ++k)
       for (std::int64_t j = 0; j < f.rows(); ++j)
       {
         const Share up = shareOf(f, fine.halved[D - 1], D - 1, k);
@@ -395,10 +414,14 @@ void ElasticMultigrid<D>::addFrom(const Level& coarse, const Level& fine, float*
           for (int u = 0; u < (up.weight < 1 ? 2 : 1); ++u)
             for (int s = 0; s < (side.weight < 1 ? 2 : 1); ++s)
             {
+              const bool other = g.parts.split() && up.low + u == g.last();
               const std::int64_t kk = up.low + u == g.planes() ? 0 : up.low + u;
               const std::int64_t jj = D == 2 || side.low + s == g.rows() ? 0 : side.low + s;
               const float w = (u == 0 ? up.weight : 1 - up.weight) * (s == 0 ? side.weight : 1 - side.weight);
-              kernels.add(g.rowLength(), w, coarse.x.data() + c * g.componentStride() + g.at(jj, kk), row.data());
+              kernels.add(g.rowLength(), w,
+                other ? above.data() + c * plane + jj * g.rowLength()
+                      : coarse.x.data() + c * g.componentStride() + g.at(jj, kk),
+                row.data());
             }
           addRow(f, fine.halved[0], row.data(), g.elements[0], z + c * f.componentStride() + f.at(j, k));
         }

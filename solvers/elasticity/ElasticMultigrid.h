@@ -1,6 +1,7 @@
 #pragma once
 
 #include "elasticity/ElasticOperator.h"
+#include "elasticity/StoredModuli.h"
 
 #include <Eigen/Dense>
 
@@ -44,11 +45,13 @@ private:
   {
     const ElasticOperator<D>* op = nullptr;
     std::unique_ptr<ElasticOperator<D>> own; ///< none on the finest level
-    std::shared_ptr<std::vector<float>> moduli;
+    std::unique_ptr<StoredModuli<D>> moduli;
     std::array<bool, D> halved{}; ///< on the way to the next level
+    PlaneParts below;             ///< of the next level's planes, those that a rank makes of its own ones
     std::vector<float> factors;   ///< of the smoothing steps
     mutable std::vector<float> b, x;
-    mutable std::vector<float> spill; ///< of a restriction: two planes of the next level by thread
+    mutable std::vector<float>
+      spill; ///< of a restriction: two planes of the next level by thread, and one of another rank
   };
 
   bool coarsen();

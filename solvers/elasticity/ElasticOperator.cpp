@@ -21,7 +21,7 @@ ElasticOperator<D>::ElasticOperator(
   , exact_(std::move(exact))
   , threads_(grid_.ownNodes() < threadedNodes
         ? 1
-        : std::max(1, static_cast<int>(std::min<std::int64_t>(threads, grid_.planes() / leastPlanes))))
+        : std::max(1, static_cast<int>(std::min<std::int64_t>(threads, (grid_.last() - grid_.first()) / leastPlanes))))
   , sumLength_(grid_.rowLength() + spareValues)
   , sums_(static_cast<std::size_t>(threads_),
       std::vector<float>(static_cast<std::size_t>(2 * (D + 1) * sumLength_ * grid_.rows() + spareValues), 0.0F))
@@ -37,8 +37,10 @@ ElasticOperator<D>::ElasticOperator(
 template <int D>
 std::array<std::int64_t, 2> ElasticOperator<D>::slab(int thread) const noexcept
 {
-  const std::int64_t pairs = (grid_.planes() + 1) / 2;
-  return { 2 * (pairs * thread / threads_), std::min(grid_.planes(), 2 * (pairs * (thread + 1) / threads_)) };
+  const std::int64_t first = grid_.first();
+  const std::int64_t pairs = (grid_.last() - first + 1) / 2;
+  return { first + 2 * (pairs * thread / threads_),
+    std::min(grid_.last(), first + 2 * (pairs * (thread + 1) / threads_)) };
 }
 
 template <int D>
@@ -62,7 +64,7 @@ void ElasticOperator<D>::moduliRow(
 template <int D>
 std::size_t ElasticOperator<D>::bytes() const noexcept
 {
-  std::size_t total = rims_.size() + stretchX_.size();
+  std::size_t total = rims_.size() + stretchX_.size() + beside_.size();
   for (const auto& sums : sums_)
     total += sums.size();
   return total * sizeof(float);
@@ -70,11 +72,12 @@ std::size_t ElasticOperator<D>::bytes() const noexcept
 
 template <int D>
 template <class Real>
-void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load,
-  const std::function<void(std::int64_t, std::int64_t, const double* const*, const double* const*, double)>& f) const
+void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load, const StressRow& f) const
 {
   constexpr int n = voigtSize(D);
   const ElasticGrid<D>& g = grid_;
+  std::vector<Real> beside;
+  planesBeside(u, beside);
   const std::int64_t length = g.elements[0] + spareValues;
 #pragma omp parallel num_threads(threads_) if (threads_ > 1)
   {
@@ -97,7 +100,7 @@ void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load,
       for (std::size_t k = 0; k < n; ++k)
         row.strain[k] = load->strain[k] * g.edge / cornerFactor<D>;
 #pragma omp for schedule(static)
-    for (std::int64_t k = 0; k < g.elementPlanes(); ++k)
+    for (std::int64_t k = g.first(); k < g.lastElements(); ++k)
       for (std::int64_t j = 0; j < g.elementRows(); ++j)
       {
         for (int r = 0; r < rowsAround; ++r)
@@ -105,10 +108,13 @@ void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load,
           const std::int64_t jj = D == 3 && (r & 1) != 0 ? (j + 1 == g.rows() ? 0 : j + 1) : (D == 3 ? j : 0);
           const std::int64_t up = k + (D == 3 ? r >> 1 : r);
           const std::int64_t kk = up == g.planes() ? 0 : up;
+          const bool other = g.parts.split() && up == g.last();
           for (int c = 0; c < D; ++c)
           {
             double* const to = values + (c * rowsAround + r) * length;
-            std::copy_n(u + c * g.componentStride() + g.at(jj, kk), g.rowLength(), to);
+            std::copy_n(other ? beside.data() + (D + c) * g.planeStride() + jj * g.rowLength()
+                              : u + c * g.componentStride() + g.at(jj, kk),
+              g.rowLength(), to);
             row.u[c][r] = to;
           }
         }
@@ -136,20 +142,16 @@ void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load,
             stress[c][i] /= cornerFactor<D>;
             strain[c][i] *= cornerFactor<D> / g.edge;
           }
-        f(j, k, stress.data(), strain.data(), energy);
+        f(j, k, row, stress.data(), strain.data(), energy);
       }
   }
 }
 
 template class ElasticOperator<2>;
 template class ElasticOperator<3>;
-template void ElasticOperator<2>::forStresses(const float*, const ElasticLoad<2>*,
-  const std::function<void(std::int64_t, std::int64_t, const double* const*, const double* const*, double)>&) const;
-template void ElasticOperator<3>::forStresses(const float*, const ElasticLoad<3>*,
-  const std::function<void(std::int64_t, std::int64_t, const double* const*, const double* const*, double)>&) const;
-template void ElasticOperator<2>::forStresses(const double*, const ElasticLoad<2>*,
-  const std::function<void(std::int64_t, std::int64_t, const double* const*, const double* const*, double)>&) const;
-template void ElasticOperator<3>::forStresses(const double*, const ElasticLoad<3>*,
-  const std::function<void(std::int64_t, std::int64_t, const double* const*, const double* const*, double)>&) const;
+template void ElasticOperator<2>::forStresses(const float*, const ElasticLoad<2>*, const StressRow&) const;
+template void ElasticOperator<3>::forStresses(const float*, const ElasticLoad<3>*, const StressRow&) const;
+template void ElasticOperator<2>::forStresses(const double*, const ElasticLoad<2>*, const StressRow&) const;
+template void ElasticOperator<3>::forStresses(const double*, const ElasticLoad<3>*, const StressRow&) const;
 
 } // namespace lamella::elasticity

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "elasticity/ElasticKernels.h"
+#include "elasticity/PlaneParts.h"
 
 #include <algorithm>
 #include <array>
@@ -12,9 +13,12 @@
 namespace lamella::elasticity
 {
 
+inline constexpr std::int64_t fewNodes = 4096; ///< which every rank works out by itself
+
 /// A box of elements in D dimensions, and its nodes. Along x the last node of a row is always stored, as a copy of the
 /// first one where x is periodic; along the other axes only nodes of their own are. Arrays hold one component after the
-/// other, planes of the last axis one after the other, each plane with some spare values behind it.
+/// other, planes of the last axis one after the other, each plane with some spare values behind it. Of a box that is
+/// split over ranks they hold the rank's own planes, which are numbered as the whole box's.
 template <int D>
 struct ElasticGrid
 {
@@ -25,19 +29,24 @@ struct ElasticGrid
   /// Edges of the elements along each axis over `edge`; empty: all of them 1.
   std::array<std::vector<float>, D> width;
   double edge = 1; ///< in edges of the finest elements along x
+  PlaneParts parts;
 
   [[nodiscard]] std::int64_t nodes(int axis) const noexcept { return elements[axis] + (periodic[axis] ? 0 : 1); }
   [[nodiscard]] std::int64_t rows() const noexcept { return D == 3 ? nodes(1) : 1; } ///< of nodes in a plane
   [[nodiscard]] std::int64_t elementRows() const noexcept { return D == 3 ? elements[1] : 1; }
   [[nodiscard]] std::int64_t planes() const noexcept { return nodes(D - 1); }
   [[nodiscard]] std::int64_t elementPlanes() const noexcept { return elements[D - 1]; }
+  /// The rank's own planes of nodes, and of elements, each above the plane of nodes of its number.
+  [[nodiscard]] std::int64_t first() const noexcept { return parts.split() ? parts.first() : 0; }
+  [[nodiscard]] std::int64_t last() const noexcept { return parts.split() ? parts.last() : planes(); }
+  [[nodiscard]] std::int64_t lastElements() const noexcept { return std::min(last(), elementPlanes()); }
   [[nodiscard]] std::int64_t rowLength() const noexcept { return elements[0] + 1; }
   [[nodiscard]] std::int64_t planeStride() const noexcept { return rowLength() * rows() + spareValues; }
-  [[nodiscard]] std::int64_t componentStride() const noexcept { return planeStride() * planes(); }
+  [[nodiscard]] std::int64_t componentStride() const noexcept { return planeStride() * (last() - first()); }
   [[nodiscard]] std::size_t values() const noexcept { return static_cast<std::size_t>(D * componentStride()); }
   [[nodiscard]] std::int64_t at(std::int64_t row, std::int64_t plane) const noexcept
   {
-    return plane * planeStride() + row * rowLength();
+    return (plane - first()) * planeStride() + row * rowLength();
   }
   /// f(first place, how many) of every run of one component's values in a row that is held.
   template <class F>
@@ -54,7 +63,14 @@ struct ElasticGrid
       f(elements[0], std::int64_t{ 1 });
     }
   }
+  /// Of the whole box, without copies.
   [[nodiscard]] std::int64_t ownNodes() const noexcept { return nodes(0) * rows() * planes(); }
+  /// Splits its planes over ranks, unless it is small.
+  void share(const Communicator& ranks)
+  {
+    if (ownNodes() > fewNodes)
+      parts = PlaneParts(planes(), periodic[D - 1], ranks);
+  }
   [[nodiscard]] bool stretched() const noexcept
   {
     return std::ranges::any_of(
@@ -117,14 +133,19 @@ public:
       u, load, diagonal, std::forward<Visit>(visit), [](int, std::int64_t) {});
   }
 
-  /// f(row, plane, stress, strain, energy) for every row of elements, by its thread: mean stress over the largest
-  /// modulus, by Voigt's order, mean strain, and ∫ σ : ε over a voxel's volume.
+  /// Of a row of elements, by its thread: mean stress over the largest modulus, by Voigt's order, mean strain, and
+  /// ∫ σ : ε over a voxel's volume.
+  using StressRow = std::function<void(std::int64_t row, std::int64_t plane, const ElasticRow<D, double>& elements,
+    const double* const* stress, const double* const* strain, double energy)>;
+  /// f for every row of elements of the rank. A plane's rows follow each other in one thread.
   template <class Real>
-  void forStresses(const Real* u, const ElasticLoad<D>* load,
-    const std::function<void(std::int64_t row, std::int64_t plane, const double* const* stress,
-      const double* const* strain, double energy)>& f) const;
+  void forStresses(const Real* u, const ElasticLoad<D>* load, const StressRow& f) const;
 
 private:
+  /// The planes of all components below the rank's own ones, and behind them those above.
+  template <class Real>
+  void planesBeside(const Real* u, std::vector<Real>& beside) const;
+
   ElasticGrid<D> grid_;
   bool isotropic_;
   ModuliRows<float> moduli_;
@@ -134,6 +155,7 @@ private:
   std::vector<float> stretchX_;
   mutable std::vector<std::vector<float>> sums_; ///< by thread: two planes of D + 1 rows of sums
   mutable std::vector<float> rims_;              ///< by thread: its first and its last plane as they were
+  mutable std::vector<float> beside_;            ///< of a box that is split: planesBeside()
 };
 
 /// The factor between a strain and the sum of signed corner values that stands for it in a kernel.

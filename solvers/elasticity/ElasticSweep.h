@@ -57,6 +57,26 @@ struct InitialBuffer
 };
 
 template <int D>
+template <class Real>
+void ElasticOperator<D>::planesBeside(const Real* u, std::vector<Real>& beside) const
+{
+  const ElasticGrid<D>& g = grid_;
+  if (!g.parts.split())
+    return;
+  const std::int64_t plane = g.planeStride();
+  const std::int64_t all = D * plane;
+  beside.resize(static_cast<std::size_t>(4 * all));
+  Real* const own = beside.data() + 2 * all; // what others get
+  for (int c = 0; c < D; ++c)
+  {
+    std::copy_n(u + c * g.componentStride(), plane, own + c * plane);
+    std::copy_n(u + (c + 1) * g.componentStride() - plane, plane, own + all + c * plane);
+  }
+  g.parts.up(own + all, beside.data(), static_cast<std::size_t>(all));
+  g.parts.down(own, beside.data() + all, static_cast<std::size_t>(all));
+}
+
+template <int D>
 template <class Real, class Visit, class End>
 void ElasticOperator<D>::sweep(
   const Real* u, const ElasticLoad<D>* load, bool diagonal, Visit&& visit, End&& endPlane) const
@@ -78,6 +98,21 @@ void ElasticOperator<D>::sweep(
     rimStore.resize(static_cast<std::size_t>(2 * threads_ * D * plane));
     rims = rimStore.data();
   }
+  std::vector<Real> besideStore;
+  const Real* beside = nullptr;
+  if (u != nullptr && g.parts.split())
+  {
+    if constexpr (single)
+    {
+      planesBeside(u, beside_);
+      beside = beside_.data();
+    }
+    else
+    {
+      planesBeside(u, besideStore);
+      beside = besideStore.data();
+    }
+  }
   const auto rim = [&](int thread, int end, int c) { return rims + ((2 * thread + end) * D + c) * plane; };
   const ElasticKernels& kernels = elasticKernels();
 
@@ -89,8 +124,8 @@ void ElasticOperator<D>::sweep(
     {
       for (int c = 0; c < D; ++c)
       {
-        std::copy_n(u + c * component + first * plane, plane, rim(thread, 0, c));
-        std::copy_n(u + c * component + (last - 1) * plane, plane, rim(thread, 1, c));
+        std::copy_n(u + c * component + g.at(0, first), plane, rim(thread, 0, c));
+        std::copy_n(u + c * component + g.at(0, last - 1), plane, rim(thread, 1, c));
       }
 #pragma omp barrier
     }
@@ -122,10 +157,11 @@ void ElasticOperator<D>::sweep(
     const auto planeOf = [&](std::int64_t k, int c) -> const Real*
     {
       if (k < first)
-        return rim((thread + threads_ - 1) % threads_, 1, c);
+        return beside != nullptr && thread == 0 ? beside + c * plane : rim((thread + threads_ - 1) % threads_, 1, c);
       if (k >= last)
-        return rim((thread + 1) % threads_, 0, c);
-      return u + c * component + k * plane;
+        return beside != nullptr && thread + 1 == threads_ ? beside + (D + c) * plane
+                                                           : rim((thread + 1) % threads_, 0, c);
+      return u + c * component + g.at(0, k);
     };
     for (std::int64_t k = first - 1; k < last; ++k)
     {

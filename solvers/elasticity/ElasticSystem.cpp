@@ -355,24 +355,19 @@ ModuliRows<Real> ElasticSystem<D>::rowsOf(const Tables<Real>& tables) const
 }
 
 template <int D>
-ModuliRows<float> ElasticSystem<D>::keptRows(const ModuliRows<float>& made)
+ModuliRows<float> ElasticSystem<D>::keptRows(const ElasticGrid<D>& grid, const ModuliRows<float>& made)
 {
-  const std::int64_t nx = problem_.elements[0];
-  const std::int64_t length = nx + spareValues;
   constexpr int kinds = stiffnessSize(D);
-  kept_.assign(static_cast<std::size_t>(kinds * length * problem_.elements[D - 1]), 0.0F);
-  ModuliBuffer<D, float> buffer(nx);
-  for (std::int64_t k = 0; k < problem_.elements[D - 1]; ++k)
+  kept_ = std::make_unique<StoredModuli<D>>(grid, kinds);
+  ModuliBuffer<D, float> buffer(grid.elements[0]);
+  for (std::int64_t k = grid.first(); k < grid.lastElements(); ++k)
   {
     made(0, k, buffer.buffer.data(), buffer.rows.data());
-    for (std::int64_t m = 0; m < kinds; ++m)
-      std::copy_n(buffer.rows[static_cast<std::size_t>(m)], nx, kept_.data() + length * (m + kinds * k));
+    for (int m = 0; m < kinds; ++m)
+      std::copy_n(buffer.rows[static_cast<std::size_t>(m)], grid.elements[0], kept_->row(m, 0, k));
   }
-  return [data = kept_.data(), length](std::int64_t, std::int64_t plane, float* const*, const float** rows)
-  {
-    for (std::int64_t m = 0; m < kinds; ++m)
-      rows[m] = data + length * (m + kinds * plane);
-  };
+  kept_->takeBelow(grid.parts);
+  return kept_->rows();
 }
 
 template <int D>
@@ -390,10 +385,11 @@ ElasticSystem<D>::ElasticSystem(const ElasticProblem<D>& problem, const ElasticO
     for (std::size_t a = 0; a < D; ++a)
       grid.width[a].assign(
         static_cast<std::size_t>(grid.elements[a]), static_cast<float>(problem.aspect[a] == 0 ? 1 : problem.aspect[a]));
+  grid.share(problem.ranks);
   ModuliRows<float> single = rowsOf<float>(single_);
   if constexpr (D == 2)
     if (!isotropic_) // in the plane there is room for them
-      single = keptRows(single);
+      single = keptRows(grid, single);
   op_ = std::make_unique<ElasticOperator<D>>(grid, isotropic_, single, rowsOf<double>(exact64_), problem.threads);
   const bool constrained = !standIn_.stiffness[0].empty();
   if (constrained)
@@ -423,7 +419,7 @@ template <int D>
 std::size_t ElasticSystem<D>::bytes() const noexcept
 {
   return sizeof(float) * (x_.size() + r_.size() + p_.size() + z_.size() + 2 * exact_.size()) + problem_.phase.size() +
-    sizeof(float) * kept_.size() + sizeof(problem_.axis[0]) * problem_.axis.size() + op_->bytes() +
+    sizeof(float) * (kept_ ? kept_->size() : 0) + sizeof(problem_.axis[0]) * problem_.axis.size() + op_->bytes() +
     (stiffOp_ ? stiffOp_->bytes() : 0) + multigrid_->bytes() + (pieces_ ? pieces_->bytes() : 0) +
     (bodies_ ? bodies_->bytes() : 0);
 }
@@ -535,7 +531,8 @@ void ElasticSystem<D>::forFields(const ElasticLoad<D>& load, const FieldRow& f) 
   const ElasticGrid<D>& g = op_->grid();
   const std::int64_t nx = g.elements[0];
   op_->template forStresses<double>(exact_.data(), &load,
-    [&](std::int64_t j, std::int64_t k, const double* const* stress, const double* const* strain, double)
+    [&](std::int64_t j, std::int64_t k, const ElasticRow<D, double>& elements, const double* const* stress,
+      const double* const* strain, double)
     {
       std::vector<double> store(static_cast<std::size_t>((D + n) * nx), 0.0);
       std::array<double*, D> displacement{};
@@ -543,14 +540,9 @@ void ElasticSystem<D>::forFields(const ElasticLoad<D>& load, const FieldRow& f) 
       for (int c = 0; c < D; ++c)
       {
         displacement[static_cast<std::size_t>(c)] = store.data() + c * nx;
-        for (int side = 0; side < 1 << (D - 1); ++side)
-        {
-          const std::int64_t row = D == 3 ? (j + (side & 1)) % g.rows() : 0;
-          const std::int64_t plane = (k + (D == 3 ? side >> 1 : side)) % g.planes();
-          const double* const u = exact_.data() + c * g.componentStride() + g.at(row, plane);
+        for (const double* const u : elements.u[c])
           for (std::int64_t i = 0; i < nx; ++i)
             displacement[static_cast<std::size_t>(c)][i] += cornerFactor<D> / 2 * (u[i] + u[i + 1]);
-        }
       }
       for (int v = 0; v < n; ++v)
       {
@@ -597,14 +589,24 @@ double ElasticSystem<D>::startEnergy(const ElasticLoad<D>& load) const
         whole += voxels / scale_ * bound[a * m + b] * load.strain[a] * load.strain[b];
     return whole;
   }
-  std::vector<double> rows(static_cast<std::size_t>(g.elementRows() * g.elementPlanes()));
-  const auto take = [&](std::int64_t j, std::int64_t k, const double* const*, const double* const*, double energy)
-  { rows[static_cast<std::size_t>(j + g.elementRows() * k)] = energy; };
+  std::vector<double> parts(static_cast<std::size_t>(g.elementPlanes()), 0.0);
+  const auto take = [&](std::int64_t, std::int64_t k, const ElasticRow<D, double>&, const double* const*,
+                      const double* const*, double energy) { parts[static_cast<std::size_t>(k)] += energy; };
   if (options_.fields)
     op_->template forStresses<double>(exact_.data(), &load, take);
   else
     op_->template forStresses<float>(x_.data(), &load, take);
-  return std::accumulate(rows.begin(), rows.end(), 0.0);
+  return totals(parts, 1)[0];
+}
+
+template <int D>
+std::vector<double> ElasticSystem<D>::totals(std::vector<double>& byPlane, std::size_t count) const
+{
+  op_->grid().parts.gather(byPlane, static_cast<std::int64_t>(byPlane.size() / count));
+  std::vector<double> sums(count, 0.0);
+  for (std::size_t i = 0; i < byPlane.size(); ++i)
+    sums[i % count] += byPlane[i];
+  return sums;
 }
 
 namespace
@@ -645,7 +647,7 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   const auto planes = static_cast<std::size_t>(g.planes());
   const int threads = op_->threads();
   std::vector<double> parts(planes);
-  const auto total = [&] { return std::accumulate(parts.begin(), parts.end(), 0.0); };
+  const auto total = [&] { return totals(parts, 1)[0]; };
 
   // r = −(A x + what the load gives)
   const auto residual = [&]
@@ -675,7 +677,7 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   const auto forPlanes = [&](auto&& f)
   {
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
-    for (std::int64_t k = 0; k < g.planes(); ++k)
+    for (std::int64_t k = g.first(); k < g.last(); ++k)
     {
       double sum = 0;
       for (int c = 0; c < D; ++c)
@@ -707,13 +709,15 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   if (load.initial)
   {
     InitialBuffer<D, float> initial(g.elements[0], true);
-    for (std::int64_t k = 0; k < g.elementPlanes(); ++k)
+    std::vector<double> byPlane(static_cast<std::size_t>(g.elementPlanes()), 0.0);
+    for (std::int64_t k = g.first(); k < g.lastElements(); ++k)
       for (std::int64_t j = 0; j < g.elementRows(); ++j)
       {
         load.initial(j, k, initial.from.data());
-        given += std::inner_product(initial.given.begin(), initial.given.end(), initial.given.begin(), 0.0);
+        byPlane[static_cast<std::size_t>(k)] +=
+          std::inner_product(initial.given.begin(), initial.given.end(), initial.given.begin(), 0.0);
       }
-    given /= static_cast<double>(g.ownNodes());
+    given = totals(byPlane, 1)[0] / static_cast<double>(g.ownNodes());
   }
   const double floor = (options_.fields ? 1e-28 : 1e-14) * static_cast<double>(g.ownNodes()) * cornerFactor<D> *
     cornerFactor<D> * (given + std::inner_product(load.strain.begin(), load.strain.end(), load.strain.begin(), 0.0));
@@ -724,26 +728,24 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   double fallen = 0;
   bool converged = !(rr > floor);
   // r·z, and the means of z's components that are free to shift; r·z is that without them.
-  std::vector<std::array<double, 3 * D>> layers(planes);
+  std::vector<double> layers(3 * D * planes);
   const auto preconditioned = [&](std::array<double, D>& shift)
   {
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
-    for (std::int64_t k = 0; k < g.planes(); ++k)
+    for (std::int64_t k = g.first(); k < g.last(); ++k)
     {
-      auto& sums = layers[static_cast<std::size_t>(k)];
-      sums.fill(0);
+      double* const sums = layers.data() + 3 * D * k;
+      std::fill_n(sums, 3 * D, 0.0);
       for (int c = 0; c < D; ++c)
         for (std::int64_t j = 0; j < g.rows(); ++j)
           kernels.dotAndSums(
-            own, r_.data() + c * component + g.at(j, k), z_.data() + c * component + g.at(j, k), sums.data() + 3 * c);
+            own, r_.data() + c * component + g.at(j, k), z_.data() + c * component + g.at(j, k), sums + 3 * c);
     }
+    const std::vector<double> all = totals(layers, 3 * D);
     double rz = 0;
     for (std::size_t c = 0; c < D; ++c)
     {
-      std::array<double, 3> sums{};
-      for (const auto& layer : layers)
-        for (std::size_t i = 0; i < 3; ++i)
-          sums[i] += layer[3 * c + i];
+      const double* const sums = all.data() + 3 * c;
       const bool holds = std::ranges::any_of(g.held, [c](const auto& held) { return held[c]; });
       shift[c] = holds ? 0.0 : sums[2] / static_cast<double>(g.ownNodes());
       rz += sums[0] - sums[1] * shift[c];
@@ -799,7 +801,7 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       fresh = false;
       rzBefore = rz;
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
-      for (std::int64_t k = 0; k < g.planes(); ++k)
+      for (std::int64_t k = g.first(); k < g.last(); ++k)
         for (int c = 0; c < D; ++c)
           for (std::int64_t j = 0; j < g.rows(); ++j)
             kernels.direct(g.rowLength(), beta, static_cast<float>(shift[static_cast<std::size_t>(c)]),
@@ -835,7 +837,8 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       if (!enough && (doubt_ * alpha * rz <= nothing * options_.tolerance * unit || !(rr > floor)))
         result.solverError = std::min(1.0, alpha * rz / unit);
       converged = enough || doubt_ * alpha * rz <= nothing * options_.tolerance * unit;
-      if (options_.progress && !options_.progress(result.iterations, result.solverError))
+      const bool stop = options_.progress && !options_.progress(result.iterations, result.solverError);
+      if (problem_.ranks.any(stop))
         throw Cancelled();
     }
     if (!options_.fields || converged)
@@ -846,31 +849,30 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   result.residual = first > 0 ? std::sqrt(rr / first) : 0.0;
 
   constexpr std::size_t n = voigtSize(D);
-  std::vector<std::array<double, 2 * n + 1>> rows(static_cast<std::size_t>(g.elementRows() * g.elementPlanes()));
-  const auto sum =
-    [&](std::int64_t row, std::int64_t k, const double* const* stress, const double* const* strain, double energy)
+  constexpr std::size_t sums = 2 * n + 1;
+  std::vector<double> means(sums * static_cast<std::size_t>(g.elementPlanes()), 0.0);
+  const auto sum = [&](std::int64_t, std::int64_t k, const ElasticRow<D, double>&, const double* const* stress,
+                     const double* const* strain, double energy)
   {
-    auto& part = rows[static_cast<std::size_t>(row + g.elementRows() * k)];
+    double* const part = means.data() + static_cast<std::int64_t>(sums) * k;
     for (std::size_t v = 0; v < n; ++v)
     {
-      part[v] = std::accumulate(stress[v], stress[v] + g.elements[0], 0.0);
-      part[n + v] = std::accumulate(strain[v], strain[v] + g.elements[0], 0.0);
+      part[v] += std::accumulate(stress[v], stress[v] + g.elements[0], 0.0);
+      part[n + v] += std::accumulate(strain[v], strain[v] + g.elements[0], 0.0);
     }
-    part[2 * n] = energy;
+    part[2 * n] += energy;
   };
   if (options_.fields)
     op_->template forStresses<double>(exact_.data(), &load, sum);
   else
     op_->template forStresses<float>(x_.data(), &load, sum);
-  for (const auto& part : rows)
+  const std::vector<double> all = totals(means, sums);
+  for (std::size_t v = 0; v < n; ++v)
   {
-    for (std::size_t v = 0; v < n; ++v)
-    {
-      result.stress[v] += scale_ * part[v] / voxels;
-      result.strain[v] += part[n + v] / voxels;
-    }
-    result.energy += scale_ * part[2 * n] / voxels;
+    result.stress[v] = scale_ * all[v] / voxels;
+    result.strain[v] = all[n + v] / voxels;
   }
+  result.energy = scale_ * all[2 * n] / voxels;
   // what is found cannot be stiffer than the mean strain, nor less than nothing
   const double most = scale_ * whole / voxels;
   if (!load.initial && !(std::abs(result.energy - 0.5 * most) <= (0.5 + wrong) * most))

@@ -3,6 +3,7 @@
 #include "elasticity/ElasticMultigrid.h"
 #include "elasticity/RigidPieces.h"
 #include "elasticity/StiffPieces.h"
+#include "elasticity/StoredModuli.h"
 
 #include <array>
 #include <cstdint>
@@ -54,6 +55,7 @@ struct ElasticProblem
   std::vector<ElasticLaw<D>> laws;            ///< by phase
   std::span<const std::array<float, 3>> axis; ///< of each voxel, of any length; where some law turns
   int threads = 1;
+  Communicator ranks{ MPI_COMM_SELF }; ///< have the same problem, and share out its planes of nodes
 };
 
 struct ElasticOptions
@@ -92,7 +94,8 @@ template <int D>
 [[nodiscard]] std::array<double, voigtSize(D) * voigtSize(D)> voigtBound(const ElasticProblem<D>& problem);
 
 /// Displacements in a box of voxels, one bilinear or trilinear element each, under a mean strain: conjugate gradients
-/// in single precision, sums in double, preconditioned by ElasticMultigrid.
+/// in single precision, sums in double, preconditioned by ElasticMultigrid. Solving is collective; the same bits for
+/// any number of ranks and threads.
 ///
 /// Memory: four numbers of 4 bytes for each component at each node, phases, and an eighth of 44 bytes a voxel in space
 /// (a quarter of 28 in the plane) for coarse levels.
@@ -119,10 +122,10 @@ public:
   /// along x], mean strains of voxels and mean stresses [Pa] by Voigt's order; 0 in rigid voxels.
   using FieldRow = std::function<void(std::int64_t row, std::int64_t plane, const double* const* displacement,
     const double* const* strain, const double* const* stress)>;
-  /// Of the last solve, whose load this was. With `fields` only.
+  /// Of the last solve, whose load this was, for the rank's own planes of voxels. With `fields` only. Collective.
   void forFields(const ElasticLoad<D>& load, const FieldRow& f) const;
   [[nodiscard]] double scale() const noexcept { return scale_; } ///< the largest modulus [Pa]
-  [[nodiscard]] std::size_t bytes() const noexcept;
+  [[nodiscard]] std::size_t bytes() const noexcept;              ///< of this rank, the picture's included
   [[nodiscard]] std::size_t levels() const noexcept { return multigrid_->levels(); }
   [[nodiscard]] const ElasticOperator<D>& op() const noexcept { return *op_; }
 
@@ -153,9 +156,11 @@ private:
   template <class Real>
   [[nodiscard]] ModuliRows<Real> rowsOf(const Tables<Real>& tables) const;
   /// The same, made once: rows of a plane.
-  [[nodiscard]] ModuliRows<float> keptRows(const ModuliRows<float>& made);
+  [[nodiscard]] ModuliRows<float> keptRows(const ElasticGrid<D>& grid, const ModuliRows<float>& made);
   void findPieces();
   void correctPieces();
+  /// Sums of values by plane, of which each rank knows those of its own: of each of `count` values.
+  [[nodiscard]] std::vector<double> totals(std::vector<double>& byPlane, std::size_t count) const;
   /// Energy of the mean strain and the displacements there are, in units of the kernels, summed over voxels.
   [[nodiscard]] double startEnergy(const ElasticLoad<D>& load) const;
 
@@ -169,8 +174,8 @@ private:
   std::vector<bool> full_;  ///< by phase id: a tensor of its own among laws that turn
   Tables<float> single_;
   Tables<double> exact64_;
-  std::vector<float> kept_; ///< moduli of all elements of a picture that are not isotropic
-  Tables<float> standIn_;   ///< rigid phases stiff instead, for what multigrid works with
+  std::unique_ptr<StoredModuli<D>> kept_; ///< of a picture that is not isotropic
+  Tables<float> standIn_;                 ///< rigid phases stiff instead, for what multigrid works with
   std::unique_ptr<ElasticOperator<D>> op_;
   std::unique_ptr<ElasticOperator<D>> stiffOp_; ///< where phases are rigid
   std::unique_ptr<RigidPieces<D>> bodies_;      ///< likewise

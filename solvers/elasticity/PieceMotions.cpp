@@ -239,13 +239,17 @@ template <int D>
 std::vector<typename PieceMotions<D>::Affine> PieceMotions<D>::Sums::total() const
 {
   std::vector<Affine> sums(pieces_.pieces_.size());
-  for (std::size_t plane = 0; plane < planes_.size(); ++plane)
-    for (std::size_t i = 0; i < planes_[plane].size(); ++i)
+  pieces_.grid_.parts.inOrder(std::as_writable_bytes(std::span(sums)),
+    [&]
     {
-      Affine& sum = sums[static_cast<std::size_t>(pieces_.lists_[plane][i])];
-      sum.shift += planes_[plane][i].shift;
-      sum.slope += planes_[plane][i].slope;
-    }
+      for (std::size_t plane = 0; plane < planes_.size(); ++plane) // others' planes have no forces
+        for (std::size_t i = 0; i < planes_[plane].size(); ++i)
+        {
+          Affine& sum = sums[static_cast<std::size_t>(pieces_.lists_[plane][i])];
+          sum.shift += planes_[plane][i].shift;
+          sum.slope += planes_[plane][i].slope;
+        }
+    });
   return sums;
 }
 
@@ -254,15 +258,19 @@ template <class Real>
 std::vector<typename PieceMotions<D>::Affine> PieceMotions<D>::moments(const Real* forces) const
 {
   std::vector<Affine> sums(pieces_.size());
-  for (std::int64_t k = 0; k < grid_.planes(); ++k)
-    forRuns(k,
-      [&](const Run& run, std::int64_t at, const Eigen::Matrix<double, D, 1>& d)
-      {
-        std::array<const Real*, D> f{};
-        for (int c = 0; c < D; ++c)
-          f[static_cast<std::size_t>(c)] = forces + c * grid_.componentStride() + at;
-        addMoments(run, d, f, sums[static_cast<std::size_t>(run.piece)]);
-      });
+  grid_.parts.inOrder(std::as_writable_bytes(std::span(sums)),
+    [&]
+    {
+      for (std::int64_t k = grid_.first(); k < grid_.last(); ++k)
+        forRuns(k,
+          [&](const Run& run, std::int64_t at, const Eigen::Matrix<double, D, 1>& d)
+          {
+            std::array<const Real*, D> f{};
+            for (int c = 0; c < D; ++c)
+              f[static_cast<std::size_t>(c)] = forces + c * grid_.componentStride() + at;
+            addMoments(run, d, f, sums[static_cast<std::size_t>(run.piece)]);
+          });
+    });
   return sums;
 }
 
@@ -290,7 +298,7 @@ template <class Real>
 void PieceMotions<D>::place(std::span<const Affine> motion, bool add, int threads, Real* u) const
 {
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
-  for (std::int64_t k = 0; k < grid_.planes(); ++k)
+  for (std::int64_t k = grid_.first(); k < grid_.last(); ++k)
     forRuns(k,
       [&](const Run& run, std::int64_t at, const Eigen::Matrix<double, D, 1>& d)
       {

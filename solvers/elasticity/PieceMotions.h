@@ -15,6 +15,8 @@ namespace lamella::elasticity
 /// Connected pieces of some phases in a box of elements, and displacements of their nodes that are affine in each:
 /// u = shift + slope · d, with d from the piece's centre. Voxels that share a node belong together.
 ///
+/// Every rank knows all pieces; forces and displacements are those of the planes that it has.
+///
 /// Memory: 16 bytes a run of nodes along x.
 template <int D>
 class PieceMotions
@@ -50,7 +52,7 @@ public:
   [[nodiscard]] const std::vector<Piece>& pieces() const noexcept { return pieces_; }
   [[nodiscard]] std::size_t bytes() const noexcept;
 
-  /// Σ f and Σ f ⊗ d of each piece, in one order.
+  /// Σ f and Σ f ⊗ d of each piece, in one order. Collective.
   template <class Real>
   [[nodiscard]] std::vector<Affine> moments(const Real* forces) const;
   /// The same of forces that are known row by row, each plane by one thread.
@@ -60,7 +62,7 @@ public:
     explicit Sums(const PieceMotions& pieces);
     /// @param forces one component after the other, of a row's nodes from the first on
     void add(std::int64_t row, std::int64_t plane, const float* const* forces);
-    [[nodiscard]] std::vector<Affine> total() const;
+    [[nodiscard]] std::vector<Affine> total() const; ///< collective
 
   private:
     const PieceMotions& pieces_;

@@ -4,6 +4,7 @@
 #include "core/Communicator.h"
 #include "core/Error.h"
 #include "core/Memory.h"
+#include "core/Together.h"
 #include "elasticity/ElasticSystem.h"
 #include "elasticity/SharedVoxels.h"
 #include "lattice/Subsample.h"
@@ -123,6 +124,7 @@ public:
     , phase_(phase)
     , axis_(axis)
     , options_(options)
+    , all_{ options.threads, options.ranks }
   {
     for (const VoxelMaterial& material : materials)
     {
@@ -166,7 +168,7 @@ public:
     requireSides();
     if (options_.tensor)
     {
-      const Solved cell = solve(lattice_, phase_, axis_, solid, progressOf(0, own, all), options_.threads);
+      const Solved cell = solve(lattice_, phase_, axis_, solid, progressOf(0, own, all), all_);
       if (cell.step.stiffness.empty())
         throw NoPathError(
           "the solid leads across the box along no axis", "take another window, or make it less porous");
@@ -201,6 +203,12 @@ public:
 
 private:
   using Axes = std::span<const std::array<float, 3>>;
+  // Who works on a box.
+  struct Crew
+  {
+    int threads = 1;
+    Communicator ranks{ MPI_COMM_SELF };
+  };
   struct Solved
   {
     StiffnessStep step;
@@ -238,7 +246,7 @@ private:
   }
 
   [[nodiscard]] ElasticProblem<D> problemOf(
-    const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid, int threads) const
+    const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid, const Crew& crew) const
   {
     ElasticProblem<D> problem;
     for (std::size_t a = 0; a < D; ++a)
@@ -250,7 +258,8 @@ private:
     problem.phase = solid.kept.empty() ? phase : std::span<const std::uint8_t>(solid.kept);
     problem.laws = laws_;
     problem.axis = axis;
-    problem.threads = threads;
+    problem.threads = crew.threads;
+    problem.ranks = crew.ranks;
     return problem;
   }
 
@@ -374,22 +383,22 @@ private:
 
   // In single precision, and where that does not end, in double.
   Solved solve(const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid,
-    const Progress& progress, int threads) const
+    const Progress& progress, const Crew& crew) const
   {
     try
     {
-      return solve(lattice, phase, axis, solid, progress, threads, options_.tolerance < finestSingle);
+      return solve(lattice, phase, axis, solid, progress, crew, options_.tolerance < finestSingle);
     }
     catch (const DivergenceError&)
     {
       if (options_.tolerance < finestSingle)
         throw;
     }
-    return solve(lattice, phase, axis, solid, progress, threads, true);
+    return solve(lattice, phase, axis, solid, progress, crew, true);
   }
 
   Solved solve(const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid,
-    const Progress& progress, int threads, bool exact) const
+    const Progress& progress, const Crew& crew, bool exact) const
   {
     const double start = seconds();
     Solved s;
@@ -400,7 +409,7 @@ private:
       return s;
     const int loads = between(options_.sides) ? D : n;
     int load = 0;
-    ElasticProblem<D> problem = problemOf(lattice, phase, axis, solid, threads);
+    ElasticProblem<D> problem = problemOf(lattice, phase, axis, solid, crew);
     s.voigt = voigtBound(problem);
     s.solverError = stiffen(problem, lattice);
     const double most = largestOf(problem);
@@ -455,7 +464,7 @@ private:
     const double found = s.tensor.diagonal().maxCoeff();
     const bool strains = options_.sides != StiffnessSides::UniformStress;
     if (!exact && (!(found > soft * most) || (strains && doubt > poor * found)))
-      return solve(lattice, phase, axis, solid, progress, threads, true);
+      return solve(lattice, phase, axis, solid, progress, crew, true);
     if (exact && strains && found > none * most && doubt > lost * found)
       throw DivergenceError(
         fmt::format("iterations leave {:.1g} of the stiffness: the phases' contrast is more than numbers can tell",
@@ -464,7 +473,7 @@ private:
     if (!exact)
       s.solverError += rounding * most / found;
     s.levels = solver.system().levels();
-    s.bytes = static_cast<double>(solver.system().bytes() + solid.kept.size());
+    s.bytes = crew.ranks.sum(static_cast<double>(solver.system().bytes() + solid.kept.size()));
     s.setupSeconds = solver.setupSeconds();
     if (options_.sides == StiffnessSides::Straight) // what mirror images make of other components is no mean of the box
       for (int k = 0; k < n; ++k)
@@ -517,7 +526,7 @@ private:
         heldStress = given.change * Eigen::Map<const Eigen::VectorXd>(held_.data(), n);
       else
       {
-        Solver solver(problemOf(lattice_, phase_, axis_, solid, options_.threads), o);
+        Solver solver(problemOf(lattice_, phase_, axis_, solid, all_), o);
         ElasticSystem<D>& system = solver.holding(held);
         ElasticLoad<D> expanding;
         expanding.initial = system.eigenstress(strains, times);
@@ -530,7 +539,7 @@ private:
     }
     const auto [strain, stress] = meansOf(given, r, heldStress, which);
     o.fields = static_cast<bool>(options_.fields);
-    Solver solver(problemOf(lattice_, phase_, axis_, solid, options_.threads), o);
+    Solver solver(problemOf(lattice_, phase_, axis_, solid, all_), o);
     ElasticSystem<D>& system = solver.holding(held);
     ElasticLoad<D> load;
     const bool pulled = options_.sides == StiffnessSides::UniformStress;
@@ -893,21 +902,27 @@ private:
     r.error = stiffnessError(r.stiffness, tensors, D, { .zero = leastStiffness(options_.tolerance) });
   }
 
-  // Solves coarser pictures of one kind; small ones side by side, one thread each.
+  // Solves coarser pictures of one kind; small ones side by side, one thread or rank each.
   SubsampleTensors solvePictures(VoxelStiffness& r, double every, std::size_t count,
     const std::function<Thinned(std::size_t)>& draw, double& done, double all) const
   {
     const double start = seconds();
     const Thinned first = draw(0);
     const auto voxels = static_cast<double>(first.lattice.count());
-    const bool beside = options_.threads > 1 && count > 1 && voxels < aloneFrom;
-    const int workers = beside ? std::min(options_.threads, static_cast<int>(count)) : 1;
+    const bool beside = options_.threads * options_.ranks.size() > 1 && count > 1 && voxels < aloneFrom;
+    std::vector<std::size_t> mine;
+    for (std::size_t i = 0; i < count; ++i)
+      if (!beside ||
+        i % static_cast<std::size_t>(options_.ranks.size()) == static_cast<std::size_t>(options_.ranks.rank()))
+        mine.push_back(i);
+    const int workers = beside ? std::clamp(static_cast<int>(mine.size()), 1, options_.threads) : 1;
+    const Crew crew = beside ? Crew{ workers > 1 ? 1 : options_.threads } : all_;
     std::vector<Solved> solved(count);
     std::vector<std::exception_ptr> failures(count);
     const auto shares = std::make_unique<std::atomic<double>[]>(count);
     std::atomic<bool> stopped{ false };
 #pragma omp parallel for num_threads(workers) if (workers > 1) schedule(dynamic)
-    for (std::size_t i = 0; i < count; ++i)
+    for (const std::size_t i : mine)
     {
       try
       {
@@ -917,24 +932,34 @@ private:
         {
           shares[i] = share;
           double sum = 0;
-          for (std::size_t k = 0; k < count; ++k)
-            sum += shares[k];
+          for (const std::size_t k : mine)
+            sum += shares[k] * static_cast<double>(count) / static_cast<double>(mine.size());
           if (omp_get_thread_num() == 0 && options_.progress && !options_.progress((done + voxels * sum) / all))
             stopped = true;
           return !stopped;
         };
-        solved[i] = solve(picture.lattice, picture.phase, picture.axis, solid, progress, beside ? 1 : options_.threads);
+        solved[i] = solve(picture.lattice, picture.phase, picture.axis, solid, progress, crew);
       }
       catch (...)
       {
         failures[i] = std::current_exception();
       }
     }
-    if (stopped)
-      throw Cancelled();
-    for (const std::exception_ptr& failure : failures)
-      if (failure)
-        std::rethrow_exception(failure);
+    const auto check = [&]
+    {
+      if (stopped)
+        throw Cancelled();
+      for (const std::exception_ptr& failure : failures)
+        if (failure)
+          std::rethrow_exception(failure);
+    };
+    if (beside)
+    {
+      together(options_.ranks, check);
+      exchange(solved, mine);
+    }
+    else
+      check();
     done += voxels * static_cast<double>(count);
     SubsampleTensors answer{ every, {} };
     StiffnessStep sum{ every, 0, 0, std::vector<double>(n * n, 0.0), std::vector<std::int64_t>(n, 0), 0 };
@@ -952,6 +977,34 @@ private:
     sum.seconds = seconds() - start;
     r.steps.push_back(std::move(sum));
     return answer;
+  }
+
+  // What each rank solved by itself, to all.
+  void exchange(std::vector<Solved>& solved, const std::vector<std::size_t>& mine) const
+  {
+    constexpr std::size_t most = n + 1; // solves of a picture
+    constexpr std::size_t each = n * n + most + 2;
+    if (!options_.ranks.parallel())
+      return;
+    std::vector<double> values(each * solved.size(), 0.0);
+    for (const std::size_t i : mine)
+    {
+      const StiffnessStep& step = solved[i].step;
+      const auto at = values.begin() + static_cast<std::ptrdiff_t>(each * i);
+      *at = static_cast<double>(step.nodes);
+      *(at + 1) = static_cast<double>(step.iterations.size());
+      std::ranges::copy(step.iterations, at + 2);
+      std::ranges::copy(step.stiffness, at + 2 + most); // none: zeros
+    }
+    options_.ranks.sum(values);
+    for (std::size_t i = 0; i < solved.size(); ++i)
+    {
+      StiffnessStep& step = solved[i].step;
+      const auto at = values.begin() + static_cast<std::ptrdiff_t>(each * i);
+      step.nodes = static_cast<std::int64_t>(*at);
+      step.iterations.assign(at + 2, at + 2 + static_cast<std::ptrdiff_t>(*(at + 1)));
+      step.stiffness.assign(at + 2 + most, at + static_cast<std::ptrdiff_t>(each));
+    }
   }
 
   // The box in larger voxels, whose shares are means.
@@ -1003,6 +1056,7 @@ private:
   Axes axis_;
   std::vector<std::array<float, 3>> ownAxes_;
   const VoxelStiffnessOptions& options_;
+  const Crew all_;
   std::vector<ElasticLaw<D>> laws_; ///< a void among them
   std::vector<FreeStrain<D>> free_;
   bool expands_ = false;
@@ -1023,9 +1077,9 @@ double voxelStiffnessBytes(const Lattice& lattice, const VoxelKinds& kinds)
   // rows of coarse levels have spare values behind them
   const double moduli = kind * (1 + 2 * static_cast<double>(spareValues) / static_cast<double>(lattice.size[0]));
   const double children = d == 3 ? 7 : 3; // levels are 1/8 + 1/64 + … of the finest, or 1/4 + …
-  return nodes * ((kinds.fields ? 20.0 : 16.0) * d + 4 * (2 * d + moduli) / children) +
-    ((kinds.turns ? 15.0 : 3.0) + (d == 2 && !kinds.isotropic ? 4.0 * kind : 0.0)) *
-    static_cast<double>(lattice.count());
+  const double shared = nodes * ((kinds.fields ? 20.0 : 16.0) * d + 4 * (2 * d + moduli) / children) +
+    (d == 2 && !kinds.isotropic ? 4.0 * kind : 0.0) * static_cast<double>(lattice.count());
+  return shared / kinds.ranks + (kinds.turns ? 15.0 : 3.0) * static_cast<double>(lattice.count());
 }
 
 namespace
@@ -1051,6 +1105,18 @@ void requireComponents(const std::vector<double>& values, int dimension, const c
 }
 
 } // namespace
+
+std::array<std::int64_t, 2> fieldPlanes(const Lattice& lattice, StiffnessSides sides, const Communicator& ranks)
+{
+  const auto of = [&](auto grid)
+  {
+    std::copy_n(lattice.size.begin(), grid.elements.size(), grid.elements.begin());
+    grid.periodic.fill(sides == StiffnessSides::Periodic);
+    grid.share(ranks);
+    return std::array{ grid.first(), grid.lastElements() };
+  };
+  return lattice.dimension == 3 ? of(ElasticGrid<3>{}) : of(ElasticGrid<2>{});
+}
 
 VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::uint8_t> phase,
   const std::vector<VoxelMaterial>& materials, std::span<const std::array<float, 3>> axis,
@@ -1121,12 +1187,17 @@ VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::
       throw ParameterError(
         "an expansion between platens whose other sides are free", "take periodic sides, or uniform ones");
   }
-  const double bytes = voxelStiffnessBytes(lattice, kinds);
-  const double free = options.memory > 0 ? options.memory : static_cast<double>(availableMemory());
-  if (bytes > free)
-    throw MemoryError(fmt::format("the stiffness of {} × {} × {} voxels takes {}, and {} are free", lattice.size[0],
-                        lattice.size[1], lattice.size[2], bytesText(bytes), bytesText(free)),
-      "take a window, or every second voxel");
+  kinds.ranks = options.ranks.size();
+  const double bytes = voxelStiffnessBytes(lattice, kinds) * options.ranks.sizeOnMachine();
+  together(options.ranks,
+    [&]
+    {
+      const double free = options.memory > 0 ? options.memory : static_cast<double>(availableMemory());
+      if (bytes > free)
+        throw MemoryError(fmt::format("the stiffness of {} × {} × {} voxels takes {}, and {} are free", lattice.size[0],
+                            lattice.size[1], lattice.size[2], bytesText(bytes), bytesText(free)),
+          "take a window, or every second voxel");
+    });
   return lattice.dimension == 3 ? Study<3>(lattice, phase, materials, axis, options).run()
                                 : Study<2>(lattice, phase, materials, axis, options).run();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/Communicator.h"
 #include "elasticity/ElasticConstants.h"
 #include "elasticity/Materials.h"
 #include "elasticity/SideMatch.h"
@@ -67,15 +68,16 @@ struct VoxelStiffnessOptions
   /// some then lead across the surface, unless they are given, and coarser pictures are means. Empty: whole voxels.
   std::vector<double> shares;
   std::optional<VoxelLoad> load;
-  VoxelFieldRow fields;    ///< of the load; takes 4 bytes more a component and node
+  VoxelFieldRow fields;    ///< of the load, told of rows of fieldPlanes(); takes 4 bytes more a component and node
   double tolerance = 1e-6; ///< of the energy of each unit strain, relative
   int maxIterations = 500; ///< of each
   /// Of the picture and the elements against the material, from coarser pictures of the same box (StiffnessError.h):
   /// every second, third and fourth voxel. About as much work as the box itself in space, twice that in the plane.
   bool estimateError = true;
   int nodesPerPixel = 1;                      ///< along each axis: pixels that were split before they came here
-  int threads = 1;                            ///< above 0
-  double memory = 0;                          ///< bytes that may be taken; 0: what is free
+  int threads = 1;                            ///< of each rank, above 0
+  Communicator ranks{ MPI_COMM_SELF };        ///< all with the same box and settings; they get the same answer
+  double memory = 0;                          ///< bytes that may be taken on a machine; 0: what is free
   std::function<bool(double share)> progress; ///< false cancels
 };
 
@@ -122,9 +124,14 @@ struct VoxelKinds
   bool isotropic = true; ///< all phases are
   bool turns = false;    ///< some follow axes
   bool fields = false;
+  int ranks = 1; ///< that share out the nodes; phases and axes each of them has
 };
-/// Bytes that a box takes, phases and axes included.
+/// Bytes that a box takes of a rank, phases and axes included.
 [[nodiscard]] double voxelStiffnessBytes(const Lattice& lattice, const VoxelKinds& kinds);
+
+/// Planes of voxels across the last axis, first and one behind the last, of whose fields a rank is told.
+[[nodiscard]] std::array<std::int64_t, 2> fieldPlanes(
+  const Lattice& lattice, StiffnessSides sides, const Communicator& ranks);
 
 /// @param phase     ids of lattice.count() voxels, x fastest
 /// @param materials by phase id, of the lattice's dimension

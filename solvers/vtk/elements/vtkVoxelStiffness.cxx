@@ -53,12 +53,12 @@ constexpr int meridians = 97;
 constexpr int parallels = 65;
 constexpr int lineSteps = 360;
 
-/// Values of points, in pieces, as rank 0 has them of the whole image; other ranks have none.
+/// Values of points, in pieces, of the whole image on every rank.
 class Gathered
 {
 public:
   Gathered(const lamella::WholeImage& whole, const lamella::Team& team)
-    : all_{ { 0, 0, 0 }, team.rank() == 0 ? whole.lattice.size : std::array<std::int64_t, 3>{ 0, 0, 0 } }
+    : all_{ { 0, 0, 0 }, whole.lattice.size }
     , in_(whole.lattice, whole.held, all_, { false, false, false }, team.comm(), team.size())
   {
   }
@@ -75,7 +75,7 @@ private:
   lamella::BoxExchange in_;
 };
 
-/// The fields of a load of the whole image, single precision.
+/// The fields of a load of the rank's planes of the image, single precision.
 struct LoadFields
 {
   std::vector<float> displacement, strain, stress;
@@ -367,7 +367,6 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
   std::vector<std::int64_t> nodes(std::max<std::size_t>(phases.names.size(), 1), 0);
   for (const std::uint8_t id : phase)
     ++nodes[id];
-  team.sum(nodes);
   std::optional<lamella::VoxelMaterials> materials;
   std::vector<double> shares;
   std::vector<double> fractions(nodes.begin(), nodes.end());
@@ -437,6 +436,7 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
   options.estimateError = this->EstimateError;
   options.nodesPerPixel = this->NodesPerPixel;
   options.threads = this->ThreadCount();
+  options.ranks = lamella::Communicator(team.comm());
   this->SetProgressText("stiffness");
   options.progress = [this](double share)
   {
@@ -457,7 +457,12 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
         throw lamella::ParameterError("neither the tensor nor the stresses of a load are wanted",
           "give a mean strain, or let the tensor be solved for");
     });
-  const auto count = phase.size();
+  const auto [firstPlane, lastPlane] = el::fieldPlanes(lattice, options.sides, options.ranks);
+  lamella::lbm::Block slab{ { 0, 0, 0 }, lattice.size };
+  slab.start[static_cast<std::size_t>(dimension - 1)] = firstPlane;
+  slab.size[static_cast<std::size_t>(dimension - 1)] = lastPlane - firstPlane;
+  const std::int64_t before = (slab.start[1] + lattice.size[1] * slab.start[2]) * lattice.size[0];
+  const auto count = static_cast<std::size_t>(slab.count());
   if (loaded && (this->ComputeDisplacement || this->ComputeStrain || this->ComputeStress))
   {
     fields.displacement.resize(this->ComputeDisplacement ? 3 * count : 0);
@@ -471,8 +476,9 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
       const std::array<int, 6>& order = dimension == 3 ? ofSpace : ofPlane;
       for (std::int64_t i = 0; i < nx; ++i)
       {
-        const auto at = static_cast<std::size_t>(first + i);
-        if (materials->isVoid(phase[at]))
+        const auto voxel = static_cast<std::size_t>(first + i);
+        const auto at = static_cast<std::size_t>(first + i - before);
+        if (materials->isVoid(phase[voxel]))
           continue;
         for (std::size_t c = 0; c < static_cast<std::size_t>(dimension) && this->ComputeDisplacement; ++c)
           fields.displacement[3 * at + c] = static_cast<float>(displacement[c][i]);
@@ -486,28 +492,21 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
             fields.stress[6 * at + c] = static_cast<float>(stress[order[c]][i]);
         }
         if (dimension == 2 && this->ComputeStress)
-          fields.stress[6 * at + 2] = static_cast<float>(materials->outOfPlane(phase[at], stress[0][i], stress[1][i],
-            stress[2][i], axis.empty() ? std::array<float, 3>{ 1, 0, 0 } : axis[at],
-            this->Change * (source.empty() ? 1.0 : static_cast<double>(source[at]))));
+          fields.stress[6 * at + 2] = static_cast<float>(materials->outOfPlane(phase[voxel], stress[0][i], stress[1][i],
+            stress[2][i], axis.empty() ? std::array<float, 3>{ 1, 0, 0 } : axis[voxel],
+            this->Change * (source.empty() ? 1.0 : static_cast<double>(source[voxel]))));
       }
     };
   }
   el::VoxelStiffness result;
-  team.agree(
-    [&]
-    {
-      if (team.rank() == 0)
-        result = el::studyVoxelStiffness(lattice, phase, materials->materials(), axis, options);
-    });
+  team.agree([&] { result = el::studyVoxelStiffness(lattice, phase, materials->materials(), axis, options); });
   this->EstimatedError = result.error.relative;
 
   output->ShallowCopy(input);
   if (options.fields)
   {
     // back into the pieces
-    const lamella::lbm::Block all{ { 0, 0, 0 },
-      team.rank() == 0 ? lattice.size : std::array<std::int64_t, 3>{ 0, 0, 0 } };
-    const lamella::BoxExchange out(lattice, all, whole.held, { false, false, false }, team.comm(), team.size());
+    const lamella::BoxExchange out(lattice, slab, whole.held, { false, false, false }, team.comm(), team.size());
     const auto add = [&](const char* name, const std::vector<float>& values, int components, bool wanted,
                        const char* unit, const char* words)
     {

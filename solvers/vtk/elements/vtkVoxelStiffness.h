@@ -44,7 +44,8 @@
  * - `solver_error`: of energies, relative; `levels`, `bytes`, `seconds` (set-up, solve, the load, the error)
  * - `phase_names`, `phase_fraction`, `phase_array`, `sides`, `continuum`, `element_model`, `warnings`, `provenance`.
  *
- * **Parallel**: the first rank does all of it and has the numbers; its threads share the work. Arrays come in pieces.
+ * **Parallel**: ranks share the planes of nodes across the last axis, threads those of a rank; any number of both gives
+ * the same bits. Every rank holds the picture. The first one has the numbers; arrays come in pieces.
  *
  * @sa vtkBondStiffness, vtkPointStiffness, vtkStressPDF
  */
