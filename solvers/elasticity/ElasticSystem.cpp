@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numbers>
 #include <numeric>
 #include <type_traits>
@@ -26,10 +27,11 @@ constexpr int delay = 4;
 // so many times more, at most `mostDoubt` times.
 constexpr double usualContrast = 100;
 constexpr double mostDoubt = 1e4;
-constexpr double slowest = 0.95;   // fall over so many steps, relative
-constexpr int directions = 24;     // of an axis, among which an element's largest eigenvalue is looked for
-constexpr double stiffPieces = 30; // contrast from which on pieces of the stiff phases move as bodies
-constexpr double standIn = 100;    // a rigid phase is so much stiffer than all others, to multigrid
+constexpr double slowest = 0.95;     // fall over so many steps, relative
+constexpr int directions = 24;       // of an axis, among which an element's largest eigenvalue is looked for
+constexpr std::size_t manyLaws = 20; // of which so many are looked at
+constexpr double stiffPieces = 30;   // contrast from which on pieces of the stiff phases move as bodies
+constexpr double standIn = 100;      // a rigid phase is so much stiffer than all others, to multigrid
 // What is left of the energy of the mean strain below which rounding does not let it be known.
 constexpr double leastSingle = 1e-6;
 constexpr double leastExact = 1e-12;
@@ -251,11 +253,13 @@ double ElasticSystem<D>::largestEigenvalue(std::array<double, D> widths) const
     if (!problem_.laws[id].isVoid() && !rigid_[id])
       for (std::size_t k = 0; k < exact64_.stiffness.size(); ++k)
         (k == 0 ? stiffness.emplace_back() : stiffness.back())[k] = exact64_.stiffness[k][id];
-  // whichever way an axis points
+  // whichever way an axis points; of many laws, which are mixtures then, some
   const double factor = cornerFactor<D> * cornerFactor<D> / scale_;
-  for (const ElasticLaw<D>& law : problem_.laws)
-    for (int direction = 0; direction < directions && law.turns(); ++direction)
+  const std::size_t every = 1 + problem_.laws.size() / manyLaws;
+  for (std::size_t id = 0; id < problem_.laws.size(); ++id)
+    for (int direction = 0; direction < directions && problem_.laws[id].turns() && id % every == 0; ++direction)
     {
+      const ElasticLaw<D>& law = problem_.laws[id];
       const double angle = std::numbers::pi * direction / directions;
       const double height = D == 3 ? (2 * direction + 1.0) / directions - 1 : 0;
       const double flat = std::sqrt(1 - height * height);
@@ -399,7 +403,14 @@ ElasticSystem<D>::ElasticSystem(const ElasticProblem<D>& problem, const ElasticO
       std::make_unique<ElasticOperator<D>>(grid, isotropic_, rowsOf<float>(standIn_), nullptr, problem.threads);
   }
   multigrid_ = std::make_unique<ElasticMultigrid<D>>(
-    constrained ? *stiffOp_ : *op_, [this](std::array<double, D> widths) { return largestEigenvalue(widths); },
+    constrained ? *stiffOp_ : *op_,
+    [this, known = std::map<std::array<double, D>, double>{}](std::array<double, D> widths) mutable
+    {
+      const auto [found, isNew] = known.try_emplace(widths, 0.0);
+      if (isNew)
+        found->second = largestEigenvalue(widths);
+      return found->second;
+    },
     options.multigrid);
   findPieces();
   const std::size_t n = grid.values();

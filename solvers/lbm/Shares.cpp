@@ -9,6 +9,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace lamella::lbm
 {
@@ -61,6 +62,13 @@ namespace
 
 constexpr int levels = 255; // of mean shares
 constexpr std::int64_t fewestAcross = 3;
+// Change of a rule that is taken instead of that of a phase that leads from face to face; the former where it does so
+// by nodes that it fills.
+constexpr double farLess = 0.25;
+constexpr double someLess = 0.7;
+constexpr double nearlyFull = 0.98;
+constexpr double leastMixed = 0.02;
+constexpr double mostlyMixed = 0.3; // surfaces lie so close that coarser nodes hardly tell them apart
 
 std::vector<double> evenShares()
 {
@@ -117,10 +125,57 @@ public:
   {
     DiffusionAnswer answer;
     answer.axis = axis;
-    const AcrossSurface rule = ruleFor(betterPercolates(axis, image, share));
+    AcrossSurface rule = ruleFor(betterPercolates(axis, image, share, 0.5));
+    // What leads from face to face by nodes that it fills in part may do so nowhere in the material (grains that
+    // touch): both rules are tried on coarser nodes, and the other one is taken if it changes less.
+    const bool sure = rule == AcrossSurface::Series;
+    const std::vector<double> shares = evenShares();
+    std::optional<PhaseImage> half;
+    std::optional<PhaseImage> quarter;
+    if ((options_.estimateError || !sure) && canHalve(image.lattice, false))
+      half = halved(image, share);
+    if (half && canHalve(half->lattice, false))
+      quarter = halved(*half, shares);
+    const bool whole = half && canHalve(half->lattice, true);
+    double doubt = 0;
+    std::array<std::optional<double>, 2> coarse; // by rule
+    std::array<std::optional<double>, 2> coarser;
+    const auto at = [](AcrossSurface r) { return r == AcrossSurface::Series ? 0U : 1U; };
+    const auto solveCoarse = [&](AcrossSurface r)
+    {
+      if (half && !coarse[at(r)])
+        coarse[at(r)] = valueOf(solve(answer, *half, shares, r, 2, false), axis);
+      if (quarter && !coarser[at(r)] && (whole || !sure))
+        coarser[at(r)] = valueOf(solve(answer, *quarter, shares, r, 4, false), axis);
+    };
+    if (!sure && quarter)
+    {
+      std::array<double, 2> change{};
+      for (const AcrossSurface r : { AcrossSurface::Series, AcrossSurface::Parallel })
+        try
+        {
+          solveCoarse(r);
+          change[at(r)] = std::abs(1 - *coarser[at(r)] / *coarse[at(r)]);
+        }
+        catch (const NoPathError&) // where one phase insulates
+        {
+          coarse[at(r)] = 0;
+          change[at(r)] = std::numeric_limits<double>::infinity();
+        }
+      const double between = std::abs(*coarse[0] - *coarse[1]);
+      const bool filled = betterPercolates(axis, image, share, nearlyFull);
+      if (change[at(AcrossSurface::Series)] < (filled ? farLess : someLess) * change[at(AcrossSurface::Parallel)])
+        rule = AcrossSurface::Series;
+      if (rule == AcrossSurface::Series || !filled)
+        doubt = 0.75 * between; // it halves with the spacing, about
+      if (mixed(image, share) > mostlyMixed)
+        doubt = 1.5 * between;
+    }
+    const auto before = std::exchange(answer.steps, {});
     answer.result = solve(answer, image, share, rule, 1, static_cast<bool>(sink_));
-    if (!options_.estimateError)
-      return answer;
+    answer.steps.insert(answer.steps.end(), before.begin(), before.end());
+    if (!options_.estimateError || !half)
+      return answer; // or too few nodes to tell
     const double value = valueOf(answer.result, axis);
     double fine = value; // of what the coarse picture shows
     bool odd = false;
@@ -129,23 +184,12 @@ public:
     {
       even.size[static_cast<std::size_t>(a)] = std::max<std::int64_t>(1, image.lattice.size[a] / 2 * 2);
       odd = odd || even.size[static_cast<std::size_t>(a)] != image.lattice.size[a];
-      if (image.lattice.size[a] / 2 < fewestAcross && image.lattice.size[a] > 1)
-        return answer; // too few nodes to tell
     }
     if (odd)
       fine = valueOf(solve(answer, crop(image, even), share, rule, 1, false), axis);
-    const std::vector<double> shares = evenShares();
-    PhaseImage half = halved(image, share);
-    const double coarse = valueOf(solve(answer, half, shares, rule, 2, false), axis);
-    std::optional<double> coarser;
-    if (std::ranges::all_of(
-          half.lattice.size, [](std::int64_t n) { return n == 1 || (n % 2 == 0 && n / 2 >= fewestAcross); }))
-    {
-      half = halved(half, shares);
-      coarser = valueOf(solve(answer, half, shares, rule, 4, false), axis);
-    }
-    const SpacingError error = spacingError(fine, coarse, coarser);
-    answer.error.relative = error.bar / fine + answer.result.solverError;
+    solveCoarse(rule);
+    const SpacingError error = spacingError(fine, *coarse[at(rule)], whole ? coarser[at(rule)] : std::nullopt);
+    answer.error.relative = std::max(error.bar, doubt) / fine + answer.result.solverError;
     answer.error.lattice = answer.error.relative;
     answer.error.picture = 0;
     answer.error.extrapolated = value / fine * error.extrapolated;
@@ -153,16 +197,30 @@ public:
   }
 
 private:
+  // The part of the nodes of which both phases have some.
+  static double mixed(const PhaseImage& image, std::span<const double> share)
+  {
+    const auto count = std::ranges::count_if(
+      image.phase, [&](std::uint8_t id) { return share[id] > leastMixed && share[id] < 1 - leastMixed; });
+    return static_cast<double>(count) / static_cast<double>(image.phase.size());
+  }
+  // Without a rest, or leaving the last nodes of odd sides out; half of them have to tell something.
+  static bool canHalve(const Lattice& lattice, bool whole)
+  {
+    return std::ranges::all_of(
+      lattice.size, [whole](std::int64_t n) { return n == 1 || (n / 2 >= fewestAcross && (!whole || n % 2 == 0)); });
+  }
   static double valueOf(const SteadyResult& result, int axis)
   {
     return result.effective[static_cast<std::size_t>(axis)];
   }
 
-  bool betterPercolates(int axis, const PhaseImage& image, std::span<const double> share) const
+  // By nodes of which it has at least so much.
+  bool betterPercolates(int axis, const PhaseImage& image, std::span<const double> share, double least) const
   {
     std::vector<double> open;
     for (const double s : share)
-      open.push_back((s >= 0.5) == (second_ > first_) ? 1 : 0);
+      open.push_back((second_ > first_ ? s : 1 - s) >= least ? 1 : 0);
     SteadyOptions o = options_.steady;
     o.progress = {};
     try

@@ -19,7 +19,8 @@ enum class AcrossSurface
 };
 
 /// Where the phase that conducts better leads from face to face, flux runs in it along surfaces: Parallel; else it has
-/// to cross the other one and meets surfaces head-on: Series.
+/// to cross the other one and meets surfaces head-on: Series. (Grains that touch at points lead so on a lattice only:
+/// studyShares() finds out.)
 [[nodiscard]] AcrossSurface ruleFor(bool betterPercolates) noexcept;
 
 /// Links of a picture of two phases whose nodes tell how much of them is in the second one: `share` by id, in 0 … 1.
@@ -41,6 +42,11 @@ enum class AcrossSurface
 /// there is no 4h: 2 × fine − coarse. error.relative is 1.5 |fine − coarse|, or a third of the change before that one
 /// where it is more; of lattice and picture together, told as the lattice's. How often it holds:
 /// docs/benchmarks/volumes.md.
+///
+/// Where the better phase leads from face to face, both rules are tried with 2h and 4h, and Series is taken if it
+/// changes less: less than 0.7 times as much, or than 0.25 times where nodes that are filled lead from face to face,
+/// too. Where it is taken, or they do not, the error is at least 0.75 times what the rules differ by with 2h, and 1.5
+/// times that where more than 30 % of the nodes have some of both phases.
 ///
 /// @param image  the whole picture, the same on every rank  @param share by id
 /// @param options refinement, targetError, directed and steady.links are not used

@@ -17,6 +17,8 @@ namespace
 {
 
 constexpr double widest = 2;
+// Lines a voxel, along each axis across x, by which its shares are measured.
+constexpr int shareLines[] = { 0, 0, 16, 8 };
 
 void checkWidth(double width)
 {
@@ -33,44 +35,46 @@ std::vector<double> midpoints(double length, std::int64_t count)
   return at;
 }
 
-// length of the union of `parts` (sorted), less what `holes` (sorted) cover; the holes' own union is added to `covered`
-double uncovered(const std::vector<Section>& parts, const std::vector<Section>& holes, double& covered)
+// The union of sorted sections.
+std::vector<Section> merged(const std::vector<Section>& sections)
 {
+  std::vector<Section> whole;
   double end = -std::numeric_limits<double>::infinity();
-  std::vector<Section> merged; // of the holes
-  for (const Section& h : holes)
-    if (h.low > end)
+  for (const Section& s : sections)
+    if (s.low > end)
     {
-      merged.push_back(h);
-      end = h.high;
+      whole.push_back(s);
+      end = s.high;
     }
-    else if (h.high > end)
-      end = merged.back().high = h.high;
-  for (const Section& h : merged)
-    covered += h.high - h.low;
+    else if (s.high > end)
+      end = whole.back().high = s.high;
+  return whole;
+}
 
-  double total = 0;
+// f(low, high) of the union of `parts` (sorted), less what `holes` cover, which are merged.
+template <class F>
+void forUncovered(const std::vector<Section>& parts, const std::vector<Section>& holes, F&& f)
+{
   std::size_t hole = 0;
-  end = -std::numeric_limits<double>::infinity();
+  double end = -std::numeric_limits<double>::infinity();
   for (const Section& p : parts)
   {
     double from = std::max(p.low, end);
     end = std::max(end, p.high);
-    while (hole < merged.size() && merged[hole].high <= from)
+    while (hole < holes.size() && holes[hole].high <= from)
       ++hole;
     for (std::size_t k = hole; from < p.high; ++k)
     {
-      if (k >= merged.size() || merged[k].low >= p.high)
+      if (k >= holes.size() || holes[k].low >= p.high)
       {
-        total += p.high - from;
+        f(from, p.high);
         break;
       }
-      if (merged[k].low > from)
-        total += merged[k].low - from;
-      from = std::max(from, merged[k].high);
+      if (holes[k].low > from)
+        f(from, holes[k].low);
+      from = std::max(from, holes[k].high);
     }
   }
-  return total;
 }
 
 MatrixFractions fractionsOf(double grains, double matrix)
@@ -192,7 +196,12 @@ MatrixFractions matrixFractions(
   double matrix = 0;
   forEachLine(packing, bridges, filled ? 0 : width, rows, planes,
     [&](std::size_t, std::size_t, const LineSections& line)
-    { matrix += uncovered(line.bridges, line.grains, grains); });
+    {
+      const std::vector<Section> whole = merged(line.grains);
+      for (const Section& s : whole)
+        grains += s.high - s.low;
+      forUncovered(line.bridges, whole, [&](double low, double high) { matrix += high - low; });
+    });
   const double all = packing.size[0] * static_cast<double>(rows.size()) * static_cast<double>(planes.size());
   return fractionsOf(grains / all, filled ? 1 - grains / all : matrix / all);
 }
@@ -355,6 +364,49 @@ std::pair<std::int64_t, std::int64_t> drawLines(const Packing& packing, const st
   return { grainNodes, matrixNodes };
 }
 
+// How much of each voxel is grain, and how much solid: exact along x, by a few lines across.
+void measureShares(const Packing& packing, const std::vector<Bridge>& bridges, bool filled, std::int64_t inner,
+  std::int64_t plate, CementedSample& sample)
+{
+  const Lattice& lattice = sample.image.lattice;
+  const int each = shareLines[lattice.dimension];
+  const auto lines = [&](std::int64_t n) { return midpoints(lattice.spacing * static_cast<double>(n), n * each); };
+  const std::vector<double> planes = lines(inner);
+  const std::vector<double> rows = lattice.dimension == 3 ? lines(lattice.size[1]) : std::vector<double>{ 0 };
+  const auto part = static_cast<float>(lattice.dimension == 3 ? 1.0 / (each * each) : 1.0 / each);
+  sample.grainShare.assign(sample.grain.size(), 0.0F);
+  sample.solidShare.assign(sample.grain.size(), filled ? 1.0F : 0.0F);
+  forEachLine(packing, bridges, filled ? 0 : sample.width, rows, planes,
+    [&](std::size_t row, std::size_t plane, const LineSections& line)
+    {
+      const auto p = static_cast<std::int64_t>(plane) / each + plate;
+      const auto r = static_cast<std::int64_t>(row) / each;
+      const std::int64_t start = lattice.dimension == 3 ? lattice.index(0, r, p) : lattice.index(0, p);
+      const auto add = [&](std::vector<float>& share, double low, double high)
+      {
+        low = std::max(low / lattice.spacing, 0.0);
+        high = std::min(high / lattice.spacing, static_cast<double>(lattice.size[0]));
+        for (auto x = static_cast<std::int64_t>(low); static_cast<double>(x) < high; ++x)
+        {
+          const double length = std::min(high, static_cast<double>(x + 1)) - std::max(low, static_cast<double>(x));
+          share[static_cast<std::size_t>(start + x)] += part * static_cast<float>(length);
+        }
+      };
+      const std::vector<Section> grains = merged(line.grains);
+      for (const Section& s : grains)
+      {
+        add(sample.grainShare, s.low, s.high);
+        if (!filled)
+          add(sample.solidShare, s.low, s.high);
+      }
+      if (!filled)
+        forUncovered(line.bridges, grains, [&](double low, double high) { add(sample.solidShare, low, high); });
+    });
+  for (std::vector<float>* const share : { &sample.grainShare, &sample.solidShare })
+    for (float& value : *share)
+      value = std::min(value, 1.0F); // sums of 4-byte numbers
+}
+
 } // namespace
 
 CementedSample cement(const Packing& packing, const BridgeOptions& options, const RasterOptions& raster)
@@ -379,7 +431,8 @@ CementedSample cement(const Packing& packing, const BridgeOptions& options, cons
   const auto last = static_cast<std::size_t>(dimension - 1);
   const std::int64_t inner = size[last];
   size[last] += 2 * plate;
-  const double bytes = 5.0 * static_cast<double>(size[0]) * static_cast<double>(size[1]) * static_cast<double>(size[2]);
+  const double bytes = (raster.shares ? 13.0 : 5.0) * static_cast<double>(size[0]) * static_cast<double>(size[1]) *
+    static_cast<double>(size[2]);
   if (bytes > static_cast<double>(availableMemory()))
     throw MemoryError(fmt::format("a sample of {} × {} × {} nodes needs {}, and {} are free", size[0], size[1], size[2],
                         bytesText(bytes), bytesText(static_cast<double>(availableMemory()))),
@@ -396,9 +449,14 @@ CementedSample cement(const Packing& packing, const BridgeOptions& options, cons
   const double nodes = static_cast<double>(count) * static_cast<double>(inner) / static_cast<double>(size[last]);
   sample.onLattice = fractionsOf(static_cast<double>(grainNodes) / nodes, static_cast<double>(matrixNodes) / nodes);
 
+  if (raster.shares)
+    measureShares(packing, bridges, filled, inner, plate, sample);
   const std::size_t layer = count / static_cast<std::size_t>(size[last]) * static_cast<std::size_t>(plate);
   for (const std::size_t begin : { std::size_t{ 0 }, count - layer })
   {
+    for (std::vector<float>* const share : { &sample.grainShare, &sample.solidShare })
+      if (raster.shares)
+        std::fill_n(share->begin() + static_cast<std::ptrdiff_t>(begin), layer, 1.0F);
     std::fill_n(image.phase.begin() + static_cast<std::ptrdiff_t>(begin), layer, std::uint8_t{ 2 });
     std::fill_n(sample.grain.begin() + static_cast<std::ptrdiff_t>(begin), layer, -1);
   }

@@ -7,6 +7,7 @@
 
 #include "vtkCellData.h"
 #include "vtkDoubleArray.h"
+#include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkIntArray.h"
 #include "vtkPointData.h"
@@ -229,6 +230,17 @@ vtkSmartPointer<vtkImageData> cementedImage(const packing::Packing& packing, con
   std::copy(sample.grain.begin(), sample.grain.end(), grain->GetPointer(0));
   describe(grain, "1", "number of the grain, from 1; 0: none, -1: platen", creator);
   image->GetPointData()->AddArray(grain);
+  const auto add = [&](const char* name, const std::vector<float>& values, const char* text)
+  {
+    if (values.empty())
+      return;
+    const auto share = newArray<vtkFloatArray>(name, 1, values.size());
+    std::copy(values.begin(), values.end(), share->GetPointer(0));
+    describe(share, "1", text, creator);
+    image->GetPointData()->AddArray(share);
+  };
+  add("grain_share", sample.grainShare, "part of the voxel around the point that is grain");
+  add("solid_share", sample.solidShare, "part of the voxel around the point that is grain or matrix");
   const auto number = [&](const char* name, double value, const char* text)
   { setFieldNumber(image, name, value, "1", text, creator); };
   number("width", sample.width, "width of a bridge at a grain's centre over the grain's diameter");

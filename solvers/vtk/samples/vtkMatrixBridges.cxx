@@ -45,7 +45,7 @@ bool vtkMatrixBridges::Cement(vtkPolyData* particles)
       bridges.walls = this->WallBridges;
       if (this->Saturation != 0)
         bridges.saturation = this->Saturation;
-      lamella::packing::RasterOptions raster{ this->NodesAcross, this->Platen };
+      lamella::packing::RasterOptions raster{ this->NodesAcross, this->Platen, this->Shares };
       if (this->Spacing != 0)
       {
         const double nodes = std::round(packing.size[0] / this->Spacing);
@@ -61,6 +61,8 @@ bool vtkMatrixBridges::Cement(vtkPolyData* particles)
         { "platen", this->Platen } };
       if (this->WallBridges)
         parameters["wall_bridges"] = true;
+      if (this->Shares)
+        parameters["shares"] = true;
       if (this->Filled)
         parameters["filled"] = true;
       else if (bridges.saturation)

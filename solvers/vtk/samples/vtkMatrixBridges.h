@@ -9,9 +9,9 @@
  * **Input**: particles, as vtkGrainPacking and vtkPackingReader give them: points with the array `radius`.
  *
  * **Output**: vtkImageData, x across and the last axis along the packing's; point arrays `phase` (0 void, 1 matrix,
- * 2 grain) and `grain` (number from 1; 0: none, −1: platen). Field data: `phase_names`, `pixel_size_source`, `width`,
- * `reach`, `bridges`, `grain_fraction`, `matrix_fraction`, `void_fraction` and `saturation` of the geometry,
- * `saturation_on_lattice` of the nodes (all without platens), `provenance`.
+ * 2 grain) and `grain` (number from 1; 0: none, −1: platen), with Shares `grain_share` and `solid_share`. Field data:
+ * `phase_names`, `pixel_size_source`, `width`, `reach`, `bridges`, `grain_fraction`, `matrix_fraction`, `void_fraction`
+ * and `saturation` of the geometry, `saturation_on_lattice` of the nodes (all without platens), `provenance`.
  *
  * The image's size follows from the packing, so the input is brought up to date when information is asked for. On
  * several ranks each computes the whole.
@@ -97,6 +97,13 @@ public:
    * @range [0, inf)
    */
   vtkSettingMacro(Platen, double, 0);
+
+  /**
+   * Also how much of each voxel is grain (array grain_share) and grain or matrix (solid_share), for solvers that take
+   * shares of two phases: far nearer to the geometry than whole voxels.
+   * @group Lattice
+   */
+  vtkSwitchMacro(Shares, false);
 
 protected:
   vtkMatrixBridges();
