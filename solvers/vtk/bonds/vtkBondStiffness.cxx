@@ -14,8 +14,6 @@
 #include "vtkObjectFactory.h"
 #include "vtkTable.h"
 
-#include <vector>
-
 namespace pd = lamella::peridynamics;
 
 namespace

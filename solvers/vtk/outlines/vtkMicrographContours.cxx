@@ -9,12 +9,10 @@
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
-#include "core/Error.h"
 #include "outlines/ContourEdit.h"
 #include "outlines/ContourExtraction.h"
 
 #include "vtkDataObject.h"
-#include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"

@@ -15,7 +15,6 @@
 #include "outlines/WallDirection.h"
 #include "outlines/WallThickness.h"
 
-#include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
