@@ -51,10 +51,6 @@ protected:
   ~vtkBondStress() override = default;
 
   void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team) override;
-
-private:
-  vtkBondStress(const vtkBondStress&) = delete;
-  void operator=(const vtkBondStress&) = delete;
 };
 
 #endif

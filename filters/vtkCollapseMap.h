@@ -91,9 +91,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkCollapseMap(const vtkCollapseMap&) = delete;
-  void operator=(const vtkCollapseMap&) = delete;
-
   struct Work;
 
   std::vector<double> Times; ///< of the steps that input 1 offers

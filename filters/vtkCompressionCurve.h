@@ -92,9 +92,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkCompressionCurve(const vtkCompressionCurve&) = delete;
-  void operator=(const vtkCompressionCurve&) = delete;
-
   void Run(vtkTable* input, vtkTable* output);
 };
 

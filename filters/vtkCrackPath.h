@@ -138,9 +138,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkCrackPath(const vtkCrackPath&) = delete;
-  void operator=(const vtkCrackPath&) = delete;
-
   struct Work;
 
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();

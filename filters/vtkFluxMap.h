@@ -89,9 +89,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkFluxMap(const vtkFluxMap&) = delete;
-  void operator=(const vtkFluxMap&) = delete;
-
   struct Work;
 
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();

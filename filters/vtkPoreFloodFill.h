@@ -124,9 +124,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkPoreFloodFill(const vtkPoreFloodFill&) = delete;
-  void operator=(const vtkPoreFloodFill&) = delete;
-
   struct Work;
 
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();

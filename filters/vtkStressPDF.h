@@ -156,9 +156,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkStressPDF(const vtkStressPDF&) = delete;
-  void operator=(const vtkStressPDF&) = delete;
-
   struct Work;
 
   std::vector<std::string> Phases;

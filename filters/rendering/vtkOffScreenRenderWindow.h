@@ -60,9 +60,6 @@ protected:
   void DestroyWindow() override;
 
 private:
-  vtkOffScreenRenderWindow(const vtkOffScreenRenderWindow&) = delete;
-  void operator=(const vtkOffScreenRenderWindow&) = delete;
-
   lamella::rendering::Backend Backend;
   std::unique_ptr<lamella::rendering::OffScreenContext> Context;
 };

@@ -71,10 +71,6 @@ public:
 protected:
   vtkOffScreenWindows() = default;
   ~vtkOffScreenWindows() override = default;
-
-private:
-  vtkOffScreenWindows(const vtkOffScreenWindows&) = delete;
-  void operator=(const vtkOffScreenWindows&) = delete;
 };
 
 #endif

@@ -343,9 +343,6 @@ protected:
   ~vtkSnapshot() override;
 
 private:
-  vtkSnapshot(const vtkSnapshot&) = delete;
-  void operator=(const vtkSnapshot&) = delete;
-
   bool Fail(const std::string& message, const std::string& hint);
 
   int DataRectangle[4] = { 0, 0, 0, 0 };

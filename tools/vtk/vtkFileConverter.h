@@ -170,9 +170,6 @@ protected:
   ~vtkFileConverter() override;
 
 private:
-  vtkFileConverter(const vtkFileConverter&) = delete;
-  void operator=(const vtkFileConverter&) = delete;
-
   void Convert();
 
   std::vector<std::string> Arrays;

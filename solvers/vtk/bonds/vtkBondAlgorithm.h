@@ -238,9 +238,6 @@ protected:
   lamella::BondSettings Settings() const;
 
 private:
-  vtkBondAlgorithm(const vtkBondAlgorithm&) = delete;
-  void operator=(const vtkBondAlgorithm&) = delete;
-
   struct Internals;
   std::unique_ptr<Internals> Internal;
 };

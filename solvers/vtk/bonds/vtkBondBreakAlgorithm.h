@@ -234,9 +234,6 @@ protected:
   int StateRange[2] = { -1, 0 }; // VTK's macros want an array
 
 private:
-  vtkBondBreakAlgorithm(const vtkBondBreakAlgorithm&) = delete;
-  void operator=(const vtkBondBreakAlgorithm&) = delete;
-
   /// All fields that states may show or not.
   std::vector<std::pair<std::string, bool>> ShownFields() const;
   /// Whether the states neither have a field nor what it follows from.

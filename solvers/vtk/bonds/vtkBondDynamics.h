@@ -293,9 +293,6 @@ protected:
   std::vector<std::pair<std::string, bool>> MadeFields() const override;
 
 private:
-  vtkBondDynamics(const vtkBondDynamics&) = delete;
-  void operator=(const vtkBondDynamics&) = delete;
-
   /// What moves the sample. @throws lamella::ParameterError
   void CheckRate() const; ///< what is told of the loading rate
   void SetMovement(const lamella::BondScene& scene, lamella::peridynamics::DynamicsStudyOptions& options) const;

@@ -145,9 +145,6 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Kept;
 
-  vtkBondEquilibrium(const vtkBondEquilibrium&) = delete;
-  void operator=(const vtkBondEquilibrium&) = delete;
-
   void CheckLoad() const;
 
   double EffectiveModulus;

@@ -162,9 +162,6 @@ protected:
   void Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve) override;
 
 private:
-  vtkBondFracture(const vtkBondFracture&) = delete;
-  void operator=(const vtkBondFracture&) = delete;
-
   void SetOptions(lamella::peridynamics::FractureStudyOptions& options) const;
   /// What was found and how, in a state's field data.
   void Describe(vtkImageData* image, const lamella::BondScene& scene, const lamella::BondSettings& settings,

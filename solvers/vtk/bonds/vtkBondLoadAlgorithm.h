@@ -95,10 +95,6 @@ protected:
   const char* LoadName() const;
 
   int Load = STRETCH; ///< subclasses set it: not every load is for all
-
-private:
-  vtkBondLoadAlgorithm(const vtkBondLoadAlgorithm&) = delete;
-  void operator=(const vtkBondLoadAlgorithm&) = delete;
 };
 
 #endif

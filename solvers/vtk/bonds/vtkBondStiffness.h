@@ -114,9 +114,6 @@ protected:
   void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team) override;
 
 private:
-  vtkBondStiffness(const vtkBondStiffness&) = delete;
-  void operator=(const vtkBondStiffness&) = delete;
-
   double EstimatedError;
 };
 

@@ -127,9 +127,6 @@ protected:
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 
 private:
-  vtkDiffusionAlgorithm(const vtkDiffusionAlgorithm&) = delete;
-  void operator=(const vtkDiffusionAlgorithm&) = delete;
-
   int Failure = 0;
 };
 

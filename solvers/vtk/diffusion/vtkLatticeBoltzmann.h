@@ -190,9 +190,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkLatticeBoltzmann(const vtkLatticeBoltzmann&) = delete;
-  void operator=(const vtkLatticeBoltzmann&) = delete;
-
   struct Internals;
   void Run(vtkImageData* input, const lamella::Team& team);
 

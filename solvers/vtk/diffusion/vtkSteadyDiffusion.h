@@ -241,9 +241,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkSteadyDiffusion(const vtkSteadyDiffusion&) = delete;
-  void operator=(const vtkSteadyDiffusion&) = delete;
-
   struct Internals;
   class FieldStore;
   void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);

@@ -71,9 +71,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkPackingReader(const vtkPackingReader&) = delete;
-  void operator=(const vtkPackingReader&) = delete;
-
   void Read(vtkPolyData* particles, vtkPolyData* contacts);
 
   char* FileName = nullptr;

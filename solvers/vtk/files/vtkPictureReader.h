@@ -316,9 +316,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkPictureReader(const vtkPictureReader&) = delete;
-  void operator=(const vtkPictureReader&) = delete;
-
   /** Reads the file unless it has been read with these settings. */
   bool Read();
   void Load();

@@ -79,9 +79,6 @@ protected:
   void WriteData() override;
 
 private:
-  vtkVTKHDFWriter(const vtkVTKHDFWriter&) = delete;
-  void operator=(const vtkVTKHDFWriter&) = delete;
-
   struct File;
   /** Runs what writes, and tells in ErrorCode what the format has no place for from a disk that is full. */
   template <typename Action>

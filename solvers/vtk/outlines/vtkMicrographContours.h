@@ -137,9 +137,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkMicrographContours(const vtkMicrographContours&) = delete;
-  void operator=(const vtkMicrographContours&) = delete;
-
   void Extract(vtkImageData* image, vtkPolyData* outlines);
 };
 

@@ -70,9 +70,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkMicrographLattice(const vtkMicrographLattice&) = delete;
-  void operator=(const vtkMicrographLattice&) = delete;
-
   /// Makes Image, unless it is up to date; says what is wrong.
   bool Rasterise(vtkPolyData* outlines, vtkImageData* picture);
   vtkSmartPointer<vtkImageData> Made(vtkPolyData* outlines, vtkImageData* picture);

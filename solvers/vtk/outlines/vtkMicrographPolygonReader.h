@@ -81,9 +81,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkMicrographPolygonReader(const vtkMicrographPolygonReader&) = delete;
-  void operator=(const vtkMicrographPolygonReader&) = delete;
-
   bool HasWindow() const;
   void Read(vtkPolyData* lumens, vtkPolyData* cells);
   void Crop(vtkPolyData* lumens);

@@ -78,10 +78,6 @@ protected:
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
-
-private:
-  vtkOutlineAlgorithm(const vtkOutlineAlgorithm&) = delete;
-  void operator=(const vtkOutlineAlgorithm&) = delete;
 };
 
 #endif

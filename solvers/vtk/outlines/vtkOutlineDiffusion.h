@@ -132,9 +132,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkOutlineDiffusion(const vtkOutlineDiffusion&) = delete;
-  void operator=(const vtkOutlineDiffusion&) = delete;
-
   struct Internals;
   void Solve(vtkPolyData* outlines, vtkImageData* picture, vtkPolyData* output);
 

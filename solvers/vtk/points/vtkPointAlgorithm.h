@@ -202,9 +202,6 @@ protected:
   lamella::PointSettings Settings() const;
 
 private:
-  vtkPointAlgorithm(const vtkPointAlgorithm&) = delete;
-  void operator=(const vtkPointAlgorithm&) = delete;
-
   struct Internals;
   std::unique_ptr<Internals> Internal;
 

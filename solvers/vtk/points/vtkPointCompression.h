@@ -292,9 +292,6 @@ protected:
   void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& team) override;
 
 private:
-  vtkPointCompression(const vtkPointCompression&) = delete;
-  void operator=(const vtkPointCompression&) = delete;
-
   struct Internals;
   std::unique_ptr<Internals> Kept;
 

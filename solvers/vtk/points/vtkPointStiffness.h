@@ -97,9 +97,6 @@ protected:
   void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone) override;
 
 private:
-  vtkPointStiffness(const vtkPointStiffness&) = delete;
-  void operator=(const vtkPointStiffness&) = delete;
-
   struct Answer;
   template <int Dim>
   Answer Solve(const lamella::PointScene& scene);

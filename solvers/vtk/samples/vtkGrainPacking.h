@@ -206,9 +206,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkGrainPacking(const vtkGrainPacking&) = delete;
-  void operator=(const vtkGrainPacking&) = delete;
-
   struct Internals;
   std::unique_ptr<Internals> Kept;
 

@@ -108,9 +108,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkMatrixBridges(const vtkMatrixBridges&) = delete;
-  void operator=(const vtkMatrixBridges&) = delete;
-
   bool Cement(vtkPolyData* particles); ///< makes Image, unless it is up to date; says what is wrong
 
   vtkSmartPointer<vtkImageData> Image; ///< what was made

@@ -308,9 +308,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkMicrostructureSource(const vtkMicrostructureSource&) = delete;
-  void operator=(const vtkMicrostructureSource&) = delete;
-
   lamella::PhaseImage Tissue(int n);
   lamella::PhaseImage Sample();
   void Generate();

@@ -112,9 +112,6 @@ protected:
   vtkSmartPointer<vtkMultiProcessController> Controller; ///< null: each rank works by itself
 
 private:
-  vtkSampleAlgorithm(const vtkSampleAlgorithm&) = delete;
-  void operator=(const vtkSampleAlgorithm&) = delete;
-
   std::vector<std::string> Voids;
   int Failure = NO_FAILURE;
 };
