@@ -21,8 +21,7 @@
  * @sa vtkBondEquilibrium
  */
 
-#ifndef vtkBondStress_h
-#define vtkBondStress_h
+#pragma once
 
 #include "vtkBondAlgorithm.h"
 #include "vtkLamellaFiltersModule.h" // for export macro
@@ -52,5 +51,3 @@ protected:
 
   void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team) override;
 };
-
-#endif

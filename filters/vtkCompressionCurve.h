@@ -25,8 +25,7 @@
  * vtkPointCompression gives; else the table is taken whole. The first piece holds the result.
  */
 
-#ifndef vtkCompressionCurve_h
-#define vtkCompressionCurve_h
+#pragma once
 
 #include "vtkLamellaFiltersModule.h" // for export macro
 #include "vtkSetting.h"
@@ -94,5 +93,3 @@ protected:
 private:
   void Run(vtkTable* input, vtkTable* output);
 };
-
-#endif

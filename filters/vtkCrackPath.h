@@ -57,8 +57,7 @@
  * @warning Sides are taken as free, so paths end at periodic ones.
  */
 
-#ifndef vtkCrackPath_h
-#define vtkCrackPath_h
+#pragma once
 
 #include "vtkLamellaFiltersModule.h"   // for export macro
 #include "vtkMultiProcessController.h" // for the smart pointer
@@ -142,5 +141,3 @@ private:
 
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
-
-#endif

@@ -31,8 +31,7 @@
  * @sa vtkSteadyDiffusion
  */
 
-#ifndef vtkFluxMap_h
-#define vtkFluxMap_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaFiltersModule.h"   // for export macro
@@ -93,5 +92,3 @@ private:
 
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
-
-#endif

@@ -35,8 +35,7 @@
  * that leaves no pore is a warning.
  */
 
-#ifndef vtkPoreFloodFill_h
-#define vtkPoreFloodFill_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaFiltersModule.h"   // for export macro
@@ -128,5 +127,3 @@ private:
 
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
-
-#endif

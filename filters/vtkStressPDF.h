@@ -38,8 +38,7 @@
  * error. Pieces of an unstructured grid share points; without ghost arrays, which mark them, count cells instead.
  */
 
-#ifndef vtkStressPDF_h
-#define vtkStressPDF_h
+#pragma once
 
 #include "vtkLamellaFiltersModule.h"   // for export macro
 #include "vtkMultiProcessController.h" // for the smart pointer
@@ -161,5 +160,3 @@ private:
   std::vector<std::string> Phases;
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
-
-#endif

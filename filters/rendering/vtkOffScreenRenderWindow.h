@@ -1,5 +1,4 @@
-#ifndef vtkOffScreenRenderWindow_h
-#define vtkOffScreenRenderWindow_h
+#pragma once
 
 #include "OffScreenContext.h"
 #include "vtkOpenGLRenderWindow.h"
@@ -63,5 +62,3 @@ private:
   lamella::rendering::Backend Backend;
   std::unique_ptr<lamella::rendering::OffScreenContext> Context;
 };
-
-#endif

@@ -1,5 +1,4 @@
-#ifndef vtkOffScreenWindows_h
-#define vtkOffScreenWindows_h
+#pragma once
 
 #include "vtkLamellaRenderingModule.h" // for the export macro
 #include "vtkObject.h"
@@ -72,5 +71,3 @@ protected:
   vtkOffScreenWindows() = default;
   ~vtkOffScreenWindows() override = default;
 };
-
-#endif

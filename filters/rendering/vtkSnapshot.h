@@ -1,5 +1,4 @@
-#ifndef vtkSnapshot_h
-#define vtkSnapshot_h
+#pragma once
 
 #include "vtkLamellaRenderingModule.h" // for the export macro
 #include "vtkObject.h"
@@ -351,5 +350,3 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Private;
 };
-
-#endif

@@ -21,8 +21,7 @@
  * @sa vtkBondEquilibrium, vtkBondStiffness, vtkBondStress
  */
 
-#ifndef vtkBondAlgorithm_h
-#define vtkBondAlgorithm_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkSampleAlgorithm.h"
@@ -241,5 +240,3 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Internal;
 };
-
-#endif

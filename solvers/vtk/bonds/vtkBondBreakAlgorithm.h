@@ -11,8 +11,7 @@
  * @sa vtkBondFracture, vtkBondDynamics
  */
 
-#ifndef vtkBondBreakAlgorithm_h
-#define vtkBondBreakAlgorithm_h
+#pragma once
 
 #include "vtkBondLoadAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -244,5 +243,3 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Kept;
 };
-
-#endif

@@ -52,8 +52,7 @@
  * @sa vtkBondFracture, vtkBondEquilibrium
  */
 
-#ifndef vtkBondDynamics_h
-#define vtkBondDynamics_h
+#pragma once
 
 #include "vtkBondBreakAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -308,5 +307,3 @@ private:
 
   bool ComputeVelocity = true;
 };
-
-#endif

@@ -48,8 +48,7 @@
  * @sa vtkBondStress, vtkPictureReader, vtkMatrixBridges
  */
 
-#ifndef vtkBondEquilibrium_h
-#define vtkBondEquilibrium_h
+#pragma once
 
 #include "vtkBondLoadAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -150,5 +149,3 @@ private:
   double EffectiveModulus;
   double FirstBreakStrain;
 };
-
-#endif

@@ -54,8 +54,7 @@
  * @sa vtkBondEquilibrium
  */
 
-#ifndef vtkBondFracture_h
-#define vtkBondFracture_h
+#pragma once
 
 #include "vtkBondBreakAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -170,5 +169,3 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Internal;
 };
-
-#endif

@@ -8,8 +8,7 @@
  * @sa vtkBondEquilibrium, vtkBondFracture
  */
 
-#ifndef vtkBondLoadAlgorithm_h
-#define vtkBondLoadAlgorithm_h
+#pragma once
 
 #include "vtkBondAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -96,5 +95,3 @@ protected:
 
   int Load = STRETCH; ///< subclasses set it: not every load is for all
 };
-
-#endif

@@ -52,8 +52,7 @@
  * @sa vtkBondEquilibrium, vtkMicrostructureSource, vtkPictureReader
  */
 
-#ifndef vtkBondStiffness_h
-#define vtkBondStiffness_h
+#pragma once
 
 #include "vtkBondAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -116,5 +115,3 @@ protected:
 private:
   double EstimatedError;
 };
-
-#endif

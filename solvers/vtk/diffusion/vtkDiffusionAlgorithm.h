@@ -17,8 +17,7 @@
  * @sa vtkSteadyDiffusion, vtkLatticeBoltzmann
  */
 
-#ifndef vtkDiffusionAlgorithm_h
-#define vtkDiffusionAlgorithm_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -129,5 +128,3 @@ protected:
 private:
   int Failure = 0;
 };
-
-#endif

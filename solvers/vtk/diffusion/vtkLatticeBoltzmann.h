@@ -30,8 +30,7 @@
  * @sa vtkSteadyDiffusion
  */
 
-#ifndef vtkLatticeBoltzmann_h
-#define vtkLatticeBoltzmann_h
+#pragma once
 
 #include "vtkDiffusionAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -197,5 +196,3 @@ private:
 
   vtkIdType LastCheckpoint = 0;
 };
-
-#endif

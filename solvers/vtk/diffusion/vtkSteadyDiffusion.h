@@ -53,8 +53,7 @@
  * @sa vtkLatticeBoltzmann, vtkFluxMap, vtkPictureReader, vtkMicrostructureSource
  */
 
-#ifndef vtkSteadyDiffusion_h
-#define vtkSteadyDiffusion_h
+#pragma once
 
 #include "vtkDiffusionAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -257,5 +256,3 @@ private:
   double EffectiveConductivity[9];
   double EstimatedError;
 };
-
-#endif

@@ -16,8 +16,7 @@
  * @sa vtkGrainPacking vtkMatrixBridges
  */
 
-#ifndef vtkPackingReader_h
-#define vtkPackingReader_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
@@ -75,5 +74,3 @@ private:
 
   char* FileName = nullptr;
 };
-
-#endif

@@ -19,8 +19,7 @@
  * `pixel_size_source` is "none".
  */
 
-#ifndef vtkPictureReader_h
-#define vtkPictureReader_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -329,5 +328,3 @@ private:
   vtkSmartPointer<vtkImageData> Image; ///< what was read
   vtkTimeStamp ReadTime;
 };
-
-#endif

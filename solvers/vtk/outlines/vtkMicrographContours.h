@@ -24,8 +24,7 @@
  * @sa vtkMicrographPolygonReader vtkMicrographLattice vtkOutlineDiffusion vtkPictureReader
  */
 
-#ifndef vtkMicrographContours_h
-#define vtkMicrographContours_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
@@ -139,5 +138,3 @@ protected:
 private:
   void Extract(vtkImageData* image, vtkPolyData* outlines);
 };
-
-#endif

@@ -27,8 +27,7 @@
  * @sa vtkMicrographContours vtkMicrographPolygonReader vtkSteadyDiffusion
  */
 
-#ifndef vtkMicrographLattice_h
-#define vtkMicrographLattice_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkOutlineAlgorithm.h"
@@ -77,5 +76,3 @@ private:
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;
 };
-
-#endif

@@ -16,8 +16,7 @@
  * @sa vtkMicrographContours vtkMicrographLattice
  */
 
-#ifndef vtkMicrographPolygonReader_h
-#define vtkMicrographPolygonReader_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
@@ -89,5 +88,3 @@ private:
   char* FileName = nullptr;
   double Window[4] = { 0, 0, 0, 0 };
 };
-
-#endif

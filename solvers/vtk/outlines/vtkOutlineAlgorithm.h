@@ -8,8 +8,7 @@
  * @sa vtkMicrographLattice vtkOutlineDiffusion
  */
 
-#ifndef vtkOutlineAlgorithm_h
-#define vtkOutlineAlgorithm_h
+#pragma once
 
 #include "vtkDataObjectAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -79,5 +78,3 @@ protected:
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 };
-
-#endif

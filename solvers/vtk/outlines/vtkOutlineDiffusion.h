@@ -30,8 +30,7 @@
  * @sa vtkMicrographContours vtkMicrographPolygonReader vtkSteadyDiffusion
  */
 
-#ifndef vtkOutlineDiffusion_h
-#define vtkOutlineDiffusion_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkOutlineAlgorithm.h"
@@ -137,5 +136,3 @@ private:
 
   std::unique_ptr<Internals> Internal;
 };
-
-#endif

@@ -21,8 +21,7 @@
  * @sa vtkPointCompression, vtkPointStiffness
  */
 
-#ifndef vtkPointAlgorithm_h
-#define vtkPointAlgorithm_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkSampleAlgorithm.h"
@@ -207,5 +206,3 @@ private:
 
 protected:
 };
-
-#endif

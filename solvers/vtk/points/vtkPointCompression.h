@@ -42,8 +42,7 @@
  * @sa vtkPointStiffness, vtkMicrographLattice
  */
 
-#ifndef vtkPointCompression_h
-#define vtkPointCompression_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPointAlgorithm.h"
@@ -303,5 +302,3 @@ private:
   int StateRange[2] = { -1, 0 }; // VTK's macros want an array
   vtkIdType LastCheckpoint = 0;
 };
-
-#endif

@@ -27,8 +27,7 @@
  * @sa vtkPointCompression, vtkBondStiffness
  */
 
-#ifndef vtkPointStiffness_h
-#define vtkPointStiffness_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPointAlgorithm.h"
@@ -101,5 +100,3 @@ private:
   template <int Dim>
   Answer Solve(const lamella::PointScene& scene);
 };
-
-#endif

@@ -19,8 +19,7 @@
  * @sa vtkGrainPacking vtkPackingReader vtkSteadyDiffusion
  */
 
-#ifndef vtkMatrixBridges_h
-#define vtkMatrixBridges_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -113,5 +112,3 @@ private:
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;
 };
-
-#endif

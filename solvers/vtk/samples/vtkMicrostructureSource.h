@@ -12,8 +12,7 @@
  * and 1.
  */
 
-#ifndef vtkMicrostructureSource_h
-#define vtkMicrostructureSource_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -315,5 +314,3 @@ private:
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;
 };
-
-#endif

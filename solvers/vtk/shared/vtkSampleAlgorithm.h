@@ -10,8 +10,7 @@
  * @sa vtkBondAlgorithm, vtkPointAlgorithm
  */
 
-#ifndef vtkSampleAlgorithm_h
-#define vtkSampleAlgorithm_h
+#pragma once
 
 #include "vtkDataObjectAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -115,5 +114,3 @@ private:
   std::vector<std::string> Voids;
   int Failure = NO_FAILURE;
 };
-
-#endif
