@@ -32,7 +32,6 @@
 #include <functional>
 #include <string>
 #include <utility>
-#include <vector>
 
 namespace
 {

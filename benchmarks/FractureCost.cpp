@@ -3,7 +3,6 @@
 
 #include "peridynamics/Material.h"
 
-#include <array>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>

@@ -14,7 +14,6 @@
 #include "../tests/verification/PackingAtlas.h"
 
 #include <cstdio>
-#include <limits>
 
 namespace
 {

@@ -7,7 +7,6 @@
 
 #include "core/Clock.h"
 #include "core/Communicator.h"
-#include "core/Memory.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/kernels/RowKernels.h"
 
@@ -21,7 +20,6 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
-#include <memory>
 #include <random>
 #include <sstream>
 #include <string>

@@ -21,7 +21,6 @@
 #include <functional>
 #include <map>
 #include <numbers>
-#include <optional>
 #include <sstream>
 #include <string>
 #include <vector>

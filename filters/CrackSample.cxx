@@ -9,7 +9,6 @@
 #include "pores/PoreLabelling.h"
 
 #include "vtkDataArray.h"
-#include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkPointData.h"
 

@@ -8,7 +8,6 @@
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/ElasticStudy.h"
 
-#include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"

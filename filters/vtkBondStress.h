@@ -21,8 +21,7 @@
  * @sa vtkBondEquilibrium
  */
 
-#ifndef vtkBondStress_h
-#define vtkBondStress_h
+#pragma once
 
 #include "vtkBondAlgorithm.h"
 #include "vtkLamellaFiltersModule.h" // for export macro
@@ -51,10 +50,4 @@ protected:
   ~vtkBondStress() override = default;
 
   void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team) override;
-
-private:
-  vtkBondStress(const vtkBondStress&) = delete;
-  void operator=(const vtkBondStress&) = delete;
 };
-
-#endif

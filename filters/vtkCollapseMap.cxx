@@ -6,6 +6,7 @@
 #include "FieldNumbers.h"
 #include "PhaseIds.h"
 #include "PoreTables.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -180,6 +181,7 @@ struct vtkCollapseMap::Work
 };
 
 vtkStandardNewMacro(vtkCollapseMap);
+vtkPrintSettingsMacro(vtkCollapseMap);
 
 vtkCollapseMap::vtkCollapseMap()
 {
@@ -205,15 +207,8 @@ void vtkCollapseMap::RemoveAllPoints()
   this->SetInputConnection(1, nullptr);
 }
 
-vtkTable* vtkCollapseMap::GetLumenTable()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-vtkTable* vtkCollapseMap::GetStateTable()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(2));
-}
+vtkGetOutputMacro(vtkCollapseMap, LumenTable, vtkTable, 1);
+vtkGetOutputMacro(vtkCollapseMap, StateTable, vtkTable, 2);
 
 int vtkCollapseMap::FillInputPortInformation(int port, vtkInformation* info)
 {
@@ -223,11 +218,7 @@ int vtkCollapseMap::FillInputPortInformation(int port, vtkInformation* info)
   return 1;
 }
 
-int vtkCollapseMap::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkImageData" : "vtkTable");
-  return 1;
-}
+vtkOutputTypesMacro(vtkCollapseMap, "vtkImageData", "vtkTable", "vtkTable");
 
 int vtkCollapseMap::RequestInformation(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
@@ -324,10 +315,4 @@ int vtkCollapseMap::RequestData(
     return 1;
   stop();
   return lamella::concluded(this, outcome, outputVector);
-}
-
-void vtkCollapseMap::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -28,8 +28,7 @@
  * **Parallel**: image and points are taken whole by every rank; the first one holds the tables.
  */
 
-#ifndef vtkCollapseMap_h
-#define vtkCollapseMap_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaFiltersModule.h" // for export macro
@@ -91,14 +90,9 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkCollapseMap(const vtkCollapseMap&) = delete;
-  void operator=(const vtkCollapseMap&) = delete;
-
   struct Work;
 
   std::vector<double> Times; ///< of the steps that input 1 offers
   std::size_t Step = 0;      ///< the one that is asked for
   std::unique_ptr<Work> Run; ///< from the first step to the last
 };
-
-#endif

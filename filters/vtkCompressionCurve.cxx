@@ -3,6 +3,7 @@
 #include "Attempt.h"
 #include "Columns.h"
 #include "FieldNumbers.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -101,6 +102,7 @@ void addNumbers(vtkTable* table, const compression::CompressionCurve& curve)
 } // namespace
 
 vtkStandardNewMacro(vtkCompressionCurve);
+vtkPrintSettingsMacro(vtkCompressionCurve);
 
 vtkCompressionCurve::vtkCompressionCurve()
 {
@@ -108,11 +110,7 @@ vtkCompressionCurve::vtkCompressionCurve()
   this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_ROWS, "stress");
 }
 
-int vtkCompressionCurve::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
-{
-  lamella::allInFirstPiece(outputVector);
-  return 1;
-}
+vtkAllInFirstPieceMacro(vtkCompressionCurve);
 
 int vtkCompressionCurve::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
@@ -164,10 +162,4 @@ int vtkCompressionCurve::RequestData(
     return 0;
   }
   return 1;
-}
-
-void vtkCompressionCurve::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

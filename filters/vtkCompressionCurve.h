@@ -25,8 +25,7 @@
  * vtkPointCompression gives; else the table is taken whole. The first piece holds the result.
  */
 
-#ifndef vtkCompressionCurve_h
-#define vtkCompressionCurve_h
+#pragma once
 
 #include "vtkLamellaFiltersModule.h" // for export macro
 #include "vtkSetting.h"
@@ -92,10 +91,5 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkCompressionCurve(const vtkCompressionCurve&) = delete;
-  void operator=(const vtkCompressionCurve&) = delete;
-
   void Run(vtkTable* input, vtkTable* output);
 };
-
-#endif

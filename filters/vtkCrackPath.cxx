@@ -5,6 +5,7 @@
 #include "CrackSample.h"
 #include "CrackTables.h"
 #include "NewArray.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -20,7 +21,6 @@
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkIntArray.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
@@ -217,6 +217,7 @@ struct vtkCrackPath::Work
 };
 
 vtkStandardNewMacro(vtkCrackPath);
+vtkPrintSettingsMacro(vtkCrackPath);
 
 vtkCrackPath::vtkCrackPath()
 {
@@ -237,30 +238,11 @@ void vtkCrackPath::SetImageConnection(vtkAlgorithmOutput* image)
   this->SetInputConnection(1, image);
 }
 
-vtkTable* vtkCrackPath::GetPathTable()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-vtkTable* vtkCrackPath::GetPairTable()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(2));
-}
-
-vtkTable* vtkCrackPath::GetGrowthTable()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(3));
-}
-
-vtkImageData* vtkCrackPath::GetImage()
-{
-  return vtkImageData::SafeDownCast(this->GetOutputDataObject(4));
-}
-
-vtkTable* vtkCrackPath::GetFragmentTable()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(5));
-}
+vtkGetOutputMacro(vtkCrackPath, PathTable, vtkTable, 1);
+vtkGetOutputMacro(vtkCrackPath, PairTable, vtkTable, 2);
+vtkGetOutputMacro(vtkCrackPath, GrowthTable, vtkTable, 3);
+vtkGetOutputMacro(vtkCrackPath, Image, vtkImageData, 4);
+vtkGetOutputMacro(vtkCrackPath, FragmentTable, vtkTable, 5);
 
 int vtkCrackPath::FillInputPortInformation(int port, vtkInformation* info)
 {
@@ -270,11 +252,7 @@ int vtkCrackPath::FillInputPortInformation(int port, vtkInformation* info)
   return 1;
 }
 
-int vtkCrackPath::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkPolyData" : port == 4 ? "vtkImageData" : "vtkTable");
-  return 1;
-}
+vtkOutputTypesMacro(vtkCrackPath, "vtkPolyData", "vtkTable", "vtkTable", "vtkTable", "vtkImageData", "vtkTable");
 
 int vtkCrackPath::RequestInformation(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
@@ -316,10 +294,4 @@ int vtkCrackPath::RequestData(
       Work{ this, team, outputVector }.Run(vtkPolyData::GetData(inputVector[0]), vtkImageData::GetData(inputVector[1]));
     });
   return lamella::concluded(this, outcome, outputVector);
-}
-
-void vtkCrackPath::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

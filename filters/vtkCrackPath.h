@@ -57,8 +57,7 @@
  * @warning Sides are taken as free, so paths end at periodic ones.
  */
 
-#ifndef vtkCrackPath_h
-#define vtkCrackPath_h
+#pragma once
 
 #include "vtkLamellaFiltersModule.h"   // for export macro
 #include "vtkMultiProcessController.h" // for the smart pointer
@@ -138,12 +137,7 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkCrackPath(const vtkCrackPath&) = delete;
-  void operator=(const vtkCrackPath&) = delete;
-
   struct Work;
 
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
-
-#endif

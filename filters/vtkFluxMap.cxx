@@ -6,6 +6,7 @@
 #include "FluxInput.h"
 #include "flux/FluxField.h"
 #include "flux/FluxLines.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -484,30 +485,16 @@ struct vtkFluxMap::Work
 };
 
 vtkStandardNewMacro(vtkFluxMap);
+vtkPrintSettingsMacro(vtkFluxMap);
 
 vtkFluxMap::vtkFluxMap()
 {
   this->SetNumberOfOutputPorts(2);
 }
 
-vtkPolyData* vtkFluxMap::GetStreamlines()
-{
-  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-int vtkFluxMap::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkImageData" : "vtkPolyData");
-  return 1;
-}
-
-int vtkFluxMap::RequestUpdateExtent(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  lamella::requestInput(
-    inputVector[0]->GetInformationObject(0), lamella::requestedOutput(request, outputVector), this->Controller);
-  return 1;
-}
+vtkGetOutputMacro(vtkFluxMap, Streamlines, vtkPolyData, 1);
+vtkOutputTypesMacro(vtkFluxMap, "vtkImageData", "vtkPolyData");
+vtkRequestPiecesMacro(vtkFluxMap);
 
 int vtkFluxMap::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
@@ -523,10 +510,4 @@ int vtkFluxMap::RequestData(
       work.Run();
     });
   return lamella::concluded(this, outcome, outputVector);
-}
-
-void vtkFluxMap::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -31,8 +31,7 @@
  * @sa vtkSteadyDiffusion
  */
 
-#ifndef vtkFluxMap_h
-#define vtkFluxMap_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaFiltersModule.h"   // for export macro
@@ -89,12 +88,7 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkFluxMap(const vtkFluxMap&) = delete;
-  void operator=(const vtkFluxMap&) = delete;
-
   struct Work;
 
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
-
-#endif

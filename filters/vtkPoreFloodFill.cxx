@@ -4,6 +4,7 @@
 #include "BoxExchange.h"
 #include "PhaseIds.h"
 #include "PoreTables.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -193,6 +194,7 @@ struct vtkPoreFloodFill::Work
 };
 
 vtkStandardNewMacro(vtkPoreFloodFill);
+vtkPrintSettingsMacro(vtkPoreFloodFill);
 
 vtkPoreFloodFill::vtkPoreFloodFill()
 {
@@ -200,29 +202,10 @@ vtkPoreFloodFill::vtkPoreFloodFill()
   this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
 }
 
-vtkTable* vtkPoreFloodFill::GetPores()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-vtkTable* vtkPoreFloodFill::GetSizeDistribution()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(2));
-}
-
-int vtkPoreFloodFill::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkImageData" : "vtkTable");
-  return 1;
-}
-
-int vtkPoreFloodFill::RequestUpdateExtent(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  lamella::requestInput(
-    inputVector[0]->GetInformationObject(0), lamella::requestedOutput(request, outputVector), this->Controller);
-  return 1;
-}
+vtkGetOutputMacro(vtkPoreFloodFill, Pores, vtkTable, 1);
+vtkGetOutputMacro(vtkPoreFloodFill, SizeDistribution, vtkTable, 2);
+vtkOutputTypesMacro(vtkPoreFloodFill, "vtkImageData", "vtkTable", "vtkTable");
+vtkRequestPiecesMacro(vtkPoreFloodFill);
 
 int vtkPoreFloodFill::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
@@ -240,10 +223,4 @@ int vtkPoreFloodFill::RequestData(
       Work(this, input, output, table, distribution, team).Run(input);
     });
   return lamella::concluded(this, outcome, outputVector);
-}
-
-void vtkPoreFloodFill::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -35,8 +35,7 @@
  * that leaves no pore is a warning.
  */
 
-#ifndef vtkPoreFloodFill_h
-#define vtkPoreFloodFill_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaFiltersModule.h"   // for export macro
@@ -124,12 +123,7 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkPoreFloodFill(const vtkPoreFloodFill&) = delete;
-  void operator=(const vtkPoreFloodFill&) = delete;
-
   struct Work;
 
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
-
-#endif

@@ -5,6 +5,7 @@
 #include "Listed.h"
 #include "StressInput.h"
 #include "StressTables.h"
+#include "vtkClassMacros.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
@@ -117,6 +118,7 @@ struct vtkStressPDF::Work
 };
 
 vtkStandardNewMacro(vtkStressPDF);
+vtkPrintSettingsMacro(vtkStressPDF);
 
 vtkStressPDF::vtkStressPDF()
 {
@@ -149,29 +151,10 @@ const char* vtkStressPDF::GetPhase(int i)
   return i >= 0 && i < this->GetNumberOfPhases() ? this->Phases[static_cast<std::size_t>(i)].c_str() : nullptr;
 }
 
-vtkTable* vtkStressPDF::GetPhaseTable()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-vtkTable* vtkStressPDF::GetThresholdTable()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(2));
-}
-
-int vtkStressPDF::FillInputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkDataSet");
-  return 1;
-}
-
-int vtkStressPDF::RequestUpdateExtent(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  lamella::requestInput(
-    inputVector[0]->GetInformationObject(0), lamella::requestedOutput(request, outputVector), this->Controller);
-  return 1;
-}
+vtkGetOutputMacro(vtkStressPDF, PhaseTable, vtkTable, 1);
+vtkGetOutputMacro(vtkStressPDF, ThresholdTable, vtkTable, 2);
+vtkInputTypeMacro(vtkStressPDF, "vtkDataSet");
+vtkRequestPiecesMacro(vtkStressPDF);
 
 int vtkStressPDF::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
@@ -188,10 +171,4 @@ int vtkStressPDF::RequestData(
       Work{ this, team }.Run(input, density, phases, thresholds);
     });
   return lamella::concluded(this, outcome, outputVector);
-}
-
-void vtkStressPDF::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

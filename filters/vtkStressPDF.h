@@ -38,8 +38,7 @@
  * error. Pieces of an unstructured grid share points; without ghost arrays, which mark them, count cells instead.
  */
 
-#ifndef vtkStressPDF_h
-#define vtkStressPDF_h
+#pragma once
 
 #include "vtkLamellaFiltersModule.h"   // for export macro
 #include "vtkMultiProcessController.h" // for the smart pointer
@@ -156,13 +155,8 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkStressPDF(const vtkStressPDF&) = delete;
-  void operator=(const vtkStressPDF&) = delete;
-
   struct Work;
 
   std::vector<std::string> Phases;
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 };
-
-#endif

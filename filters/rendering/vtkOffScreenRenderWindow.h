@@ -1,5 +1,4 @@
-#ifndef vtkOffScreenRenderWindow_h
-#define vtkOffScreenRenderWindow_h
+#pragma once
 
 #include "OffScreenContext.h"
 #include "vtkOpenGLRenderWindow.h"
@@ -60,11 +59,6 @@ protected:
   void DestroyWindow() override;
 
 private:
-  vtkOffScreenRenderWindow(const vtkOffScreenRenderWindow&) = delete;
-  void operator=(const vtkOffScreenRenderWindow&) = delete;
-
   lamella::rendering::Backend Backend;
   std::unique_ptr<lamella::rendering::OffScreenContext> Context;
 };
-
-#endif

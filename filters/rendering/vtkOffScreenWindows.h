@@ -1,5 +1,4 @@
-#ifndef vtkOffScreenWindows_h
-#define vtkOffScreenWindows_h
+#pragma once
 
 #include "vtkLamellaRenderingModule.h" // for the export macro
 #include "vtkObject.h"
@@ -71,10 +70,4 @@ public:
 protected:
   vtkOffScreenWindows() = default;
   ~vtkOffScreenWindows() override = default;
-
-private:
-  vtkOffScreenWindows(const vtkOffScreenWindows&) = delete;
-  void operator=(const vtkOffScreenWindows&) = delete;
 };
-
-#endif

@@ -1,8 +1,10 @@
 #include "vtkSnapshot.h"
+
 #include "Settings.h"
 #include "core/Error.h"
 #include "core/Lower.h"
 #include "core/PartFile.h"
+#include "vtkClassMacros.h"
 
 #include "Drawing.h"
 #include "SnapshotOptions.h"
@@ -31,6 +33,7 @@
 namespace rendering = lamella::rendering;
 
 vtkStandardNewMacro(vtkSnapshot);
+vtkPrintSettingsMacro(vtkSnapshot);
 
 namespace
 {
@@ -344,10 +347,4 @@ bool vtkSnapshot::Write(const char* path)
       "nothing was written; free some room, or write elsewhere");
   }
   return true;
-}
-
-void vtkSnapshot::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -1,5 +1,4 @@
-#ifndef vtkSnapshot_h
-#define vtkSnapshot_h
+#pragma once
 
 #include "vtkLamellaRenderingModule.h" // for the export macro
 #include "vtkObject.h"
@@ -343,9 +342,6 @@ protected:
   ~vtkSnapshot() override;
 
 private:
-  vtkSnapshot(const vtkSnapshot&) = delete;
-  void operator=(const vtkSnapshot&) = delete;
-
   bool Fail(const std::string& message, const std::string& hint);
 
   int DataRectangle[4] = { 0, 0, 0, 0 };
@@ -354,5 +350,3 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Private;
 };
-
-#endif

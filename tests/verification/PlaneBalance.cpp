@@ -102,7 +102,7 @@ TEST(Kernels, AreTheFastestThatThisProcessorRuns)
   const std::string expected = __builtin_cpu_supports("x86-64-v4") ? "x86-64-v4"
     : __builtin_cpu_supports("x86-64-v3")                          ? "x86-64-v3"
                                                                    : "x86-64";
-  EXPECT_EQ(lbm::kernelsName(), expected);
+  EXPECT_EQ(lbm::kernels().name, expected);
 }
 #endif
 

@@ -1,9 +1,11 @@
 # Loops compiled once for every instruction set and chosen at run time.
 #
-#   lamella_kernels(TARGET source table dispatcher)
+#   lamella_kernels(TARGET source table [dispatcher])
 #     Compiles `source` as the object libraries TARGETBase, TARGETV3 (AVX2) and TARGETV4 (AVX-512) into LamellaSolvers.
-#     LAMELLA_KERNELS is defined as <table>Base … and LAMELLA_KERNELS_NAME as the set's name; `dispatcher` gets
-#     LAMELLA_X86_KERNELS where the wider sets exist.
+#     LAMELLA_KERNELS is defined as <table>Base … and LAMELLA_KERNELS_NAME as the set's name. folder/XImpl.cpp defines
+#     an X, which folder/X.h declares; `const X& table()`, the fastest that the processor runs, is made of
+#     KernelChoice.cpp.in unless `dispatcher` is a source of its own that chooses; it has LAMELLA_X86_KERNELS where the
+#     wider sets exist.
 function(_lamella_kernel_set target source table suffix name)
   set(lib ${target}${suffix})
   add_library(${lib} OBJECT "${source}")
@@ -18,7 +20,19 @@ function(_lamella_kernel_set target source table suffix name)
   target_sources(LamellaSolvers PRIVATE $<TARGET_OBJECTS:${lib}>)
 endfunction()
 
-function(lamella_kernels target source table dispatcher)
+function(lamella_kernels target source table)
+  if(ARGN)
+    set(dispatcher "${ARGN}")
+  else()
+    cmake_path(GET CMAKE_CURRENT_SOURCE_DIR FILENAME SPACE)
+    string(REGEX REPLACE "Impl\\.cpp$" "" name "${source}")
+    set(HEADER "${SPACE}/${name}.h")
+    cmake_path(GET name FILENAME TYPE)
+    set(TABLE ${table})
+    set(dispatcher "${CMAKE_CURRENT_BINARY_DIR}/${TYPE}.cpp")
+    configure_file("${PROJECT_SOURCE_DIR}/tools/cmake/KernelChoice.cpp.in" "${dispatcher}" @ONLY)
+    target_sources(LamellaSolvers PRIVATE "${dispatcher}")
+  endif()
   if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
     _lamella_kernel_set(${target} "${source}" ${table} Base x86-64)
     _lamella_kernel_set(${target} "${source}" ${table} V3 x86-64-v3 -march=x86-64-v3)

@@ -14,13 +14,9 @@
 
 #include <vtkDataArray.h>
 #include <vtkImageData.h>
-#include <vtkIntArray.h>
-#include <vtkNew.h>
 #include <vtkPointData.h>
 
 #include <fmt/format.h>
-
-#include <cmath>
 
 namespace lamella::cli
 {

@@ -6,14 +6,10 @@
 #include "program/SettingOptions.h"
 #include "session/Session.h"
 
-#include <vtkSmartPointer.h>
-
-#include <array>
 #include <string>
 #include <vector>
 
 class vtkBondAlgorithm;
-class vtkImageData;
 
 /// What the commands share that bond the nodes of a sample.
 namespace lamella::cli

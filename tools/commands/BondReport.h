@@ -4,8 +4,6 @@
 
 #include "io/Provenance.h"
 
-#include <cstddef>
-#include <cstdint>
 #include <initializer_list>
 #include <span>
 #include <string>

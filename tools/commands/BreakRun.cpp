@@ -1,9 +1,9 @@
 #include "commands/BreakRun.h"
 
 #include "files/GridFile.h"
+#include "files/Record.h"
 #include "files/ResultFiles.h"
 #include "session/Text.h"
-#include "session/Units.h"
 #include "session/Workspace.h"
 
 #include "core/Clock.h"
@@ -14,8 +14,6 @@
 #include <vtkImageData.h>
 #include <vtkPolyData.h>
 #include <vtkTable.h>
-
-#include <fmt/format.h>
 
 #include <filesystem>
 

@@ -20,8 +20,6 @@
 #include <vtkNew.h>
 #include <vtkPointData.h>
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <map>

@@ -2,7 +2,6 @@
 
 #include "files/Input.h"
 
-#include <array>
 #include <string>
 #include <vector>
 

@@ -24,7 +24,6 @@
 
 #include <cmath>
 #include <memory>
-#include <optional>
 
 namespace lamella::cli
 {

@@ -4,7 +4,6 @@
 #include "files/GridFile.h"
 #include "files/Input.h"
 #include "files/JsonReport.h"
-#include "files/Record.h"
 #include "files/SampleFile.h"
 #include "program/Commands.h"
 #include "program/SettingOptions.h"

@@ -4,7 +4,6 @@
 #include "files/GridFile.h"
 #include "files/Input.h"
 #include "files/JsonReport.h"
-#include "files/Record.h"
 #include "program/Commands.h"
 #include "program/SettingOptions.h"
 #include "session/Text.h"
@@ -31,7 +30,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 #include <memory>
 
 namespace lamella::cli

@@ -8,7 +8,6 @@
 #include "files/Record.h"
 #include "files/ResultFiles.h"
 #include "files/TableText.h"
-#include "program/CommandLine.h"
 #include "program/Commands.h"
 #include "program/SettingOptions.h"
 #include "session/Text.h"
@@ -25,7 +24,6 @@
 
 #include <fmt/format.h>
 
-#include <array>
 #include <cmath>
 #include <memory>
 #include <string>

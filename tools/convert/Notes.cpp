@@ -1,7 +1,6 @@
 #include "convert/Notes.h"
 
 #include "convert/Types.h"
-#include "files/Record.h"
 #include "files/SampleFile.h"
 
 #include "core/Error.h"

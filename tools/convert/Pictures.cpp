@@ -13,8 +13,6 @@
 
 #include <vtkDataArray.h>
 #include <vtkPointData.h>
-#include <vtkUnsignedCharArray.h>
-#include <vtkUnsignedShortArray.h>
 
 #include <fmt/format.h>
 

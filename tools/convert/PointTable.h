@@ -6,8 +6,6 @@
 #include <span>
 #include <string>
 
-class vtkPolyData;
-
 /// Points, and the nodes of images, as comma-separated values: x, y, z and the arrays, a line each.
 namespace lamella::cli
 {

@@ -6,12 +6,10 @@
 #include <vtkSmartPointer.h>
 
 #include <functional>
-#include <optional>
 #include <string>
 #include <vector>
 
 class vtkDataObject;
-class vtkImageData;
 class vtkOutputWindow;
 
 /// VTK's files, with what VTK says about them turned into exceptions.

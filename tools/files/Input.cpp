@@ -16,7 +16,6 @@
 #include <vtkNew.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 
 namespace lamella::cli

@@ -9,15 +9,11 @@
 #include <vtkPointData.h>
 #include <vtkUnsignedCharArray.h>
 
-#include <fmt/format.h>
-
 #include <opencv2/imgproc.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
-#include <string>
 
 namespace lamella::cli
 {

@@ -6,7 +6,6 @@
 
 #include <vtkImageData.h>
 
-#include <cstdint>
 #include <vector>
 
 namespace lamella::cli

@@ -14,7 +14,6 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
-#include <numeric>
 
 namespace lamella::cli
 {

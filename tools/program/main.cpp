@@ -6,7 +6,6 @@
 #include "program/StandardStreams.h"
 #include "session/QuietThreads.h"
 #include "session/Session.h"
-#include "session/Text.h"
 
 #include "io/Provenance.h"
 #include "lamella/Version.h"
@@ -17,7 +16,6 @@
 
 #include <algorithm>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 

@@ -12,10 +12,8 @@
 #include <vtkPolyData.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <functional>
-#include <optional>
 
 namespace lamella::cli
 {

@@ -5,7 +5,6 @@
 #include "files/JsonReport.h"
 #include "session/Text.h"
 
-#include "core/Error.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkDoubleArray.h>
@@ -16,7 +15,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <map>

@@ -9,13 +9,9 @@
 #include "vtkLatticeConversion.h"
 
 #include <vtkDataArray.h>
-#include <vtkFloatArray.h>
 #include <vtkImageData.h>
-#include <vtkIntArray.h>
-#include <vtkNew.h>
 #include <vtkPointData.h>
 
-#include <array>
 #include <filesystem>
 
 namespace lamella::cli

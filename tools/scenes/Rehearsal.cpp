@@ -4,7 +4,6 @@
 #include "scenes/Measures.h"
 #include "scenes/Memory.h"
 
-#include "program/CommandLine.h"
 #include "session/Text.h"
 
 #include "core/Error.h"

@@ -2,7 +2,6 @@
 
 #include "scenes/SceneFile.h"
 
-#include <exception>
 #include <filesystem>
 #include <optional>
 #include <string>

@@ -23,7 +23,6 @@
 #include <new>
 #include <stdexcept>
 #include <thread>
-#include <vector>
 
 namespace lamella::cli
 {

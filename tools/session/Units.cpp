@@ -2,10 +2,6 @@
 
 #include "session/Text.h"
 
-#include "core/Error.h"
-
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>

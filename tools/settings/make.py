@@ -20,10 +20,10 @@ from headers import Declarations, HeaderError
 
 def make_panels(layouts, out, *headers):
     declarations = Declarations(headers)
-    found = panels.read_layouts(layouts)
+    found, chart = panels.read_layouts(layouts)
     for name in found:
         if not declarations.classes[name].abstract:
-            panels.write(declarations, found, name, pathlib.Path(out) / f"{name[3:]}.xml")
+            panels.write(declarations, found, chart, name, pathlib.Path(out) / f"{name[3:]}.xml")
 
 
 def make_tables(out, *headers):

@@ -13,11 +13,14 @@ only: pvplugin/NAME.xml. Of a base class such a file gives what its subclasses s
       <Tells>PeakStress</Tells>                 what the last update found
       <Label setting="Load">Kind of load</Label>
       <Advanced/> <Plain/>                      names as in <Without>, of what is seldom needed, or often in this class
+      <Chart name="LamellaX" port="1" x="strain" draws="stress" leaves="time">What a table shows.</Chart>
+                                                opens that port as lines over a column, of the columns that a table has (Chart.xml)
     </Panel>
 
 Anything else, such as <Hints>, goes into the XML as it is.
 """
 
+import copy
 import math
 import pathlib
 import xml.etree.ElementTree as ElementTree
@@ -41,8 +44,8 @@ MENUS = {
 class Panel:
     """The panel of one class: an XML tree that grows. @raises HeaderError for a layout that does not fit the header"""
 
-    def __init__(self, declarations, layouts, name):
-        self.name, self.declarations = name, declarations
+    def __init__(self, declarations, layouts, chart, name):
+        self.name, self.declarations, self.chart = name, declarations, chart
         self.chain = [layouts[kind.name] for kind in declarations.chain(name) if kind.name in layouts]
         self.layout = layouts[name]
         self.settings = {setting.name: setting for setting in declarations.settings(name)}
@@ -97,17 +100,39 @@ class Panel:
                 self.fail(f"nothing tells {name}")
             self.add_told(proxy, name, *tells[name])
         self.add_groups(proxy)
-        known = {"Input", "Output", "Array", "Group", "Without", "When", "Start", "Tells", "Advanced", "Plain", "Label"}
+        known = {"Input", "Output", "Array", "Group", "Without", "When", "Start", "Tells", "Advanced", "Plain", "Label", "Chart"}
         proxy.extend(element for element in layout if element.tag not in known)
+        for element in layout.findall("Chart"):
+            self.add_chart(root, proxy, element)
         self.add_to_menu(proxy)
         ElementTree.indent(root)
         return root
 
+    @staticmethod
+    def hints_of(proxy):
+        hints = proxy.find("Hints")
+        return ElementTree.SubElement(proxy, "Hints") if hints is None else hints
+
+    def add_chart(self, root, proxy, element):
+        chart = copy.deepcopy(self.chart)
+        chart.set("name", element.get("name"))
+        chart.find("Documentation").text = element.text
+        chart.find("*[@name='XArrayName']").set("default_values", element.get("x"))
+        drawn = element.get("draws").split()
+        columns = [*drawn, element.get("x"), *element.get("leaves").split()]
+        shown = chart.find("*[@name='SeriesVisibility']")
+        shown.set("number_of_elements", str(2 * len(columns)))
+        shown.set("default_values", ";".join(f"{column};{int(column in drawn)}" for column in columns))
+        ElementTree.SubElement(root, "ProxyGroup", name="representations").append(chart)
+        about = {"port": element.get("port")}
+        hints = self.hints_of(proxy)
+        hints.insert(0, ElementTree.Element("View", type="XYChartView", **about))
+        hints.insert(1, ElementTree.Element("Representation", view="XYChartView", type=element.get("name"), **about))
+
     def add_to_menu(self, proxy):
         menu = next((layout.get("menu") for layout in reversed(self.chain) if layout.get("menu")), None)
         if menu in MENUS:
-            hints = proxy.find("Hints")
-            hints = ElementTree.SubElement(proxy, "Hints") if hints is None else hints
+            hints = self.hints_of(proxy)
             # menu_label: ParaView 5.13 would make one of the category, with blanks after brackets
             ElementTree.SubElement(hints, "ShowInMenu", category=MENUS[menu], menu_label=MENUS[menu], icon=f":/lamella/{menu}.svg")
         elif menu:
@@ -311,16 +336,12 @@ class Panel:
 
 
 def read_layouts(folder):
-    """Layouts by the name of their class."""
-    found = {}
-    for path in sorted(pathlib.Path(folder).glob("*.xml")):
-        root = ElementTree.parse(path).getroot()
-        if root.tag == "Panel":
-            found[root.get("class")] = root
-    return found
+    """Layouts by the name of their class, and how curves are drawn."""
+    roots = [ElementTree.parse(path).getroot() for path in sorted(pathlib.Path(folder).glob("*.xml"))]
+    return {root.get("class"): root for root in roots if root.tag == "Panel"}, next(root for root in roots if root.tag != "Panel")
 
 
-def write(declarations, layouts, name, path):
-    tree = Panel(declarations, layouts, name).tree()
+def write(declarations, layouts, chart, name, path):
+    tree = Panel(declarations, layouts, chart, name).tree()
     text = ElementTree.tostring(tree, encoding="unicode")
     pathlib.Path(path).write_text(f"<!-- Made from the header of {name} and the layout in pvplugin. -->\n{text}\n", encoding="utf-8")

@@ -5,6 +5,7 @@
 #include "convert/Conversion.h"
 #include "files/GridFile.h"
 #include "session/Session.h"
+#include "vtkClassMacros.h"
 
 #include "core/Error.h"
 #include "io/Provenance.h"
@@ -64,6 +65,7 @@ void append(vtkStringArray* to, const std::vector<std::string>& texts)
 } // namespace
 
 vtkStandardNewMacro(vtkFileConverter);
+vtkPrintSettingsMacro(vtkFileConverter);
 
 vtkFileConverter::vtkFileConverter()
   : Files(vtkSmartPointer<vtkStringArray>::New())
@@ -228,10 +230,4 @@ void vtkFileConverter::Convert()
   }
   std::for_each(times.begin(), times.end(), [this](double time) { this->Times->InsertNextValue(time); });
   append(this->Warnings, session.warnings());
-}
-
-void vtkFileConverter::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -13,8 +13,7 @@
  * @warning While it runs, messages of VTK, from other threads too, are kept from vtkOutputWindow.
  */
 
-#ifndef vtkFileConverter_h
-#define vtkFileConverter_h
+#pragma once
 
 #include "vtkAlgorithm.h"
 #include "vtkLamellaConvertModule.h" // for export macro
@@ -170,9 +169,6 @@ protected:
   ~vtkFileConverter() override;
 
 private:
-  vtkFileConverter(const vtkFileConverter&) = delete;
-  void operator=(const vtkFileConverter&) = delete;
-
   void Convert();
 
   std::vector<std::string> Arrays;
@@ -184,5 +180,3 @@ private:
   vtkSmartPointer<vtkDoubleArray> Times;
   vtkSmartPointer<vtkStringArray> Warnings;
 };
-
-#endif

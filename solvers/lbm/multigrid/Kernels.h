@@ -71,12 +71,12 @@ struct Kernels
   /// out[b][c][direction]: coarse rows in natural order, at b, c = 0, 1.
   void (*galerkin)(int dimension, bool straight, std::int64_t first, std::int64_t last, std::int64_t half,
     const CellLinks& links, const CellWeights (*weights)[2], float* const (*out)[2][maxForward]);
+
+  const char* name; ///< of the instruction set: "x86-64", "x86-64-v3" (AVX2), "x86-64-v4" (AVX-512), "generic"
 };
 
 /// The fastest set that this processor can run.
 [[nodiscard]] const Kernels& kernels();
-/// Its name: "x86-64", "x86-64-v3" (AVX2), "x86-64-v4" (AVX-512), "generic".
-[[nodiscard]] const char* kernelsName();
 
 /// Forward directions in the order of the link arrays; the first 2 (2D) or 3 (3D) are the straight ones.
 inline constexpr int directions2[4][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 1, 1, 0 }, { -1, 1, 0 } };

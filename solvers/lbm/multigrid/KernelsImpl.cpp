@@ -439,6 +439,7 @@ void galerkin(int dimension, bool straight, std::int64_t first, std::int64_t las
 
 extern const Kernels LAMELLA_KERNELS;
 const Kernels LAMELLA_KERNELS = { relaxStraight, relaxStraightFromZero, residualStraight, applyStraight, relaxGeneral,
-  residualGeneral, applyGeneral, inverseSum, axpy, xpby, dot, addWeighted, merge, splitRow, galerkin };
+  residualGeneral, applyGeneral, inverseSum, axpy, xpby, dot, addWeighted, merge, splitRow, galerkin,
+  LAMELLA_KERNELS_NAME };
 
 } // namespace lamella::lbm

@@ -5,7 +5,6 @@
 #include "peridynamics/BondLattice.h"
 
 #include "vtkDataObject.h"
-#include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkPointData.h"

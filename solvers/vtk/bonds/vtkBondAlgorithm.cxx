@@ -2,7 +2,7 @@
 
 #include "BondScene.h"
 
-#include "Listed.h"
+#include "vtkClassMacros.h"
 #include "vtkDataObject.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -29,30 +29,17 @@ vtkBondAlgorithm::vtkBondAlgorithm()
 
 vtkBondAlgorithm::~vtkBondAlgorithm() = default;
 
-#define LAMELLA_TABLE(Setter, Remover, Member)                                                                         \
-  void vtkBondAlgorithm::Setter(const char* pair, double value)                                                        \
-  {                                                                                                                    \
-    lamella::setNamed(this, this->Internal->Table.Member, pair, value);                                                \
-  }                                                                                                                    \
-  void vtkBondAlgorithm::Remover()                                                                                     \
-  {                                                                                                                    \
-    lamella::removeAll(this, this->Internal->Table.Member);                                                            \
-  }
-LAMELLA_TABLE(SetYoungsModulus, RemoveAllYoungsModuli, young)
-LAMELLA_TABLE(SetFractureEnergy, RemoveAllFractureEnergies, fractureEnergy)
-LAMELLA_TABLE(SetToughness, RemoveAllToughnesses, toughness)
-LAMELLA_TABLE(SetCriticalStretch, RemoveAllCriticalStretches, criticalStretch)
-#undef LAMELLA_TABLE
+vtkSetNamedMacro(vtkBondAlgorithm, YoungsModulus, YoungsModuli, Internal->Table.young);
+vtkSetNamedMacro(vtkBondAlgorithm, FractureEnergy, FractureEnergies, Internal->Table.fractureEnergy);
+vtkSetNamedMacro(vtkBondAlgorithm, Toughness, Toughnesses, Internal->Table.toughness);
+vtkSetNamedMacro(vtkBondAlgorithm, CriticalStretch, CriticalStretches, Internal->Table.criticalStretch);
+vtkRemoveAllMacro(vtkBondAlgorithm, Likes, Internal->Table.like);
+vtkRemoveAllMacro(vtkBondAlgorithm, Notches, Internal->Notches);
 
 void vtkBondAlgorithm::SetLike(const char* pair, const char* other)
 {
   if (other != nullptr && *other != '\0')
     lamella::setNamed(this, this->Internal->Table.like, pair, std::string(other));
-}
-
-void vtkBondAlgorithm::RemoveAllLikes()
-{
-  lamella::removeAll(this, this->Internal->Table.like);
 }
 
 void vtkBondAlgorithm::AddNotch(double x1, double y1, double x2, double y2)
@@ -68,11 +55,6 @@ void vtkBondAlgorithm::AddNotchInSpace(const double corner[3], const double alon
   this->Modified();
 }
 
-void vtkBondAlgorithm::RemoveAllNotches()
-{
-  lamella::removeAll(this, this->Internal->Notches);
-}
-
 vtkImageData* vtkBondAlgorithm::GetOutput()
 {
   return this->GetOutput(0);
@@ -83,11 +65,7 @@ vtkImageData* vtkBondAlgorithm::GetOutput(int port)
   return vtkImageData::SafeDownCast(this->GetOutputDataObject(port));
 }
 
-int vtkBondAlgorithm::FillOutputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkImageData");
-  return 1;
-}
+vtkOutputTypesMacro(vtkBondAlgorithm, "vtkImageData");
 
 int vtkBondAlgorithm::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)

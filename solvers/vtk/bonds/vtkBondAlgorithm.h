@@ -21,8 +21,7 @@
  * @sa vtkBondEquilibrium, vtkBondStiffness, vtkBondStress
  */
 
-#ifndef vtkBondAlgorithm_h
-#define vtkBondAlgorithm_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkSampleAlgorithm.h"
@@ -238,11 +237,6 @@ protected:
   lamella::BondSettings Settings() const;
 
 private:
-  vtkBondAlgorithm(const vtkBondAlgorithm&) = delete;
-  void operator=(const vtkBondAlgorithm&) = delete;
-
   struct Internals;
   std::unique_ptr<Internals> Internal;
 };
-
-#endif

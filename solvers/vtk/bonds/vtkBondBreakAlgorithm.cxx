@@ -4,8 +4,8 @@
 #include "BondScene.h"
 #include "FieldNumbers.h"
 #include "FractureData.h"
-#include "Listed.h"
 #include "LongRun.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 
@@ -25,7 +25,6 @@
 #include "vtkTable.h"
 
 #include <algorithm>
-#include <array>
 #include <map>
 #include <set>
 
@@ -76,43 +75,11 @@ vtkBondBreakAlgorithm::vtkBondBreakAlgorithm()
 
 vtkBondBreakAlgorithm::~vtkBondBreakAlgorithm() = default;
 
-int vtkBondBreakAlgorithm::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  constexpr std::array<const char*, 3> types{ "vtkImageData", "vtkPolyData", "vtkTable" };
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), types.at(static_cast<std::size_t>(port)));
-  return 1;
-}
-
-vtkPolyData* vtkBondBreakAlgorithm::GetBrokenBonds()
-{
-  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-vtkTable* vtkBondBreakAlgorithm::GetCurve()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(2));
-}
-
-int vtkBondBreakAlgorithm::GetNumberOfStates()
-{
-  return this->Kept->States.count();
-}
-
-vtkImageData* vtkBondBreakAlgorithm::GetStateImage(int state)
-{
-  return this->Kept->States.at(state);
-}
-
-void vtkBondBreakAlgorithm::AddStateAtBroken(vtkIdType broken)
-{
-  this->Kept->Broken.push_back(broken);
-  this->Modified();
-}
-
-void vtkBondBreakAlgorithm::RemoveAllStatesAtBroken()
-{
-  lamella::removeAll(this, this->Kept->Broken);
-}
+vtkOutputTypesMacro(vtkBondBreakAlgorithm, "vtkImageData", "vtkPolyData", "vtkTable");
+vtkGetOutputMacro(vtkBondBreakAlgorithm, BrokenBonds, vtkPolyData, 1);
+vtkGetOutputMacro(vtkBondBreakAlgorithm, Curve, vtkTable, 2);
+vtkGetStatesMacro(vtkBondBreakAlgorithm, Image, vtkImageData, Kept->States);
+vtkAddToListMacro(vtkBondBreakAlgorithm, StateAtBroken, StatesAtBroken, vtkIdType, Kept->Broken);
 
 std::vector<std::int64_t> vtkBondBreakAlgorithm::StatesAtBroken() const
 {
@@ -124,23 +91,11 @@ void vtkBondBreakAlgorithm::SetState(int state)
   this->Kept->States.choose(state);
 }
 
-int vtkBondBreakAlgorithm::GetState()
-{
-  return this->Kept->States.chosen();
-}
-
-vtkMTimeType vtkBondBreakAlgorithm::GetMTime()
-{
-  return this->Kept->States.changed(this->Superclass::GetMTime());
-}
+vtkShownStateMacro(vtkBondBreakAlgorithm, Kept->States);
 
 void vtkBondBreakAlgorithm::Show(bool& setting, bool on)
 {
-  if (setting != on)
-  {
-    setting = on;
-    this->Kept->States.touch();
-  }
+  this->Kept->States.toggle(setting, on);
 }
 
 void vtkBondBreakAlgorithm::SetComputeDisplacement(bool on)

@@ -11,8 +11,7 @@
  * @sa vtkBondFracture, vtkBondDynamics
  */
 
-#ifndef vtkBondBreakAlgorithm_h
-#define vtkBondBreakAlgorithm_h
+#pragma once
 
 #include "vtkBondLoadAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -234,9 +233,6 @@ protected:
   int StateRange[2] = { -1, 0 }; // VTK's macros want an array
 
 private:
-  vtkBondBreakAlgorithm(const vtkBondBreakAlgorithm&) = delete;
-  void operator=(const vtkBondBreakAlgorithm&) = delete;
-
   /// All fields that states may show or not.
   std::vector<std::pair<std::string, bool>> ShownFields() const;
   /// Whether the states neither have a field nor what it follows from.
@@ -247,5 +243,3 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Kept;
 };
-
-#endif

@@ -4,7 +4,7 @@
 #include "BondScene.h"
 #include "DynamicsData.h"
 #include "FractureData.h"
-#include "Listed.h"
+#include "vtkClassMacros.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
@@ -106,10 +106,7 @@ vtkBondDynamics::vtkBondDynamics()
 
 vtkBondDynamics::~vtkBondDynamics() = default;
 
-void vtkBondDynamics::SetPhaseDensity(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Densities, phase, value);
-}
+vtkSetNamedMacro(vtkBondDynamics, PhaseDensity, PhaseDensities, Internal->Densities);
 
 void vtkBondDynamics::SetSideVelocity(const char* side, const char* component, double speed)
 {
@@ -129,23 +126,10 @@ void vtkBondDynamics::AddBoxVelocity(
   this->Modified();
 }
 
-void vtkBondDynamics::AddStateAtTime(double time)
-{
-  this->Internal->Times.push_back(time);
-  this->Modified();
-}
-
-#define LAMELLA_REMOVE_ALL(Remover, Member)                                                                            \
-  void vtkBondDynamics::Remover()                                                                                      \
-  {                                                                                                                    \
-    lamella::removeAll(this, this->Internal->Member);                                                                  \
-  }
-LAMELLA_REMOVE_ALL(RemoveAllPhaseDensities, Densities)
-LAMELLA_REMOVE_ALL(RemoveAllSideVelocities, Velocities)
-LAMELLA_REMOVE_ALL(RemoveAllSideTractions, Tractions)
-LAMELLA_REMOVE_ALL(RemoveAllBoxVelocities, Boxes)
-LAMELLA_REMOVE_ALL(RemoveAllStatesAtTimes, Times)
-#undef LAMELLA_REMOVE_ALL
+vtkAddToListMacro(vtkBondDynamics, StateAtTime, StatesAtTimes, double, Internal->Times);
+vtkRemoveAllMacro(vtkBondDynamics, SideVelocities, Internal->Velocities);
+vtkRemoveAllMacro(vtkBondDynamics, SideTractions, Internal->Tractions);
+vtkRemoveAllMacro(vtkBondDynamics, BoxVelocities, Internal->Boxes);
 
 void vtkBondDynamics::SetMovement(const lamella::BondScene& scene, pd::DynamicsStudyOptions& options) const
 {

@@ -52,8 +52,7 @@
  * @sa vtkBondFracture, vtkBondEquilibrium
  */
 
-#ifndef vtkBondDynamics_h
-#define vtkBondDynamics_h
+#pragma once
 
 #include "vtkBondBreakAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -293,9 +292,6 @@ protected:
   std::vector<std::pair<std::string, bool>> MadeFields() const override;
 
 private:
-  vtkBondDynamics(const vtkBondDynamics&) = delete;
-  void operator=(const vtkBondDynamics&) = delete;
-
   /// What moves the sample. @throws lamella::ParameterError
   void CheckRate() const; ///< what is told of the loading rate
   void SetMovement(const lamella::BondScene& scene, lamella::peridynamics::DynamicsStudyOptions& options) const;
@@ -311,5 +307,3 @@ private:
 
   bool ComputeVelocity = true;
 };
-
-#endif

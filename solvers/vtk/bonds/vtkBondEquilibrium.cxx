@@ -10,7 +10,6 @@
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/ElasticStudy.h"
 
-#include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
@@ -84,20 +83,12 @@ vtkBondEquilibrium::~vtkBondEquilibrium() = default;
 
 void vtkBondEquilibrium::SetComputeStress(bool on)
 {
-  if (this->ComputeStress != on)
-  {
-    this->ComputeStress = on;
-    this->Kept->Solved.touch();
-  }
+  this->Kept->Solved.toggle(this->ComputeStress, on);
 }
 
 void vtkBondEquilibrium::SetComputeStrainEnergy(bool on)
 {
-  if (this->ComputeStrainEnergy != on)
-  {
-    this->ComputeStrainEnergy = on;
-    this->Kept->Solved.touch();
-  }
+  this->Kept->Solved.toggle(this->ComputeStrainEnergy, on);
 }
 
 vtkMTimeType vtkBondEquilibrium::GetMTime()

@@ -48,8 +48,7 @@
  * @sa vtkBondStress, vtkPictureReader, vtkMatrixBridges
  */
 
-#ifndef vtkBondEquilibrium_h
-#define vtkBondEquilibrium_h
+#pragma once
 
 #include "vtkBondLoadAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -145,13 +144,8 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Kept;
 
-  vtkBondEquilibrium(const vtkBondEquilibrium&) = delete;
-  void operator=(const vtkBondEquilibrium&) = delete;
-
   void CheckLoad() const;
 
   double EffectiveModulus;
   double FirstBreakStrain;
 };
-
-#endif

@@ -3,7 +3,7 @@
 #include "BondScene.h"
 #include "FieldNumbers.h"
 #include "FractureData.h"
-#include "Listed.h"
+#include "vtkClassMacros.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
@@ -67,16 +67,7 @@ vtkBondFracture::vtkBondFracture()
 
 vtkBondFracture::~vtkBondFracture() = default;
 
-void vtkBondFracture::AddStateAtStrain(double strain)
-{
-  this->Internal->Strains.push_back(strain);
-  this->Modified();
-}
-
-void vtkBondFracture::RemoveAllStatesAtStrains()
-{
-  lamella::removeAll(this, this->Internal->Strains);
-}
+vtkAddToListMacro(vtkBondFracture, StateAtStrain, StatesAtStrains, double, Internal->Strains);
 
 void vtkBondFracture::SetOptions(pd::FractureStudyOptions& options) const
 {

@@ -54,8 +54,7 @@
  * @sa vtkBondEquilibrium
  */
 
-#ifndef vtkBondFracture_h
-#define vtkBondFracture_h
+#pragma once
 
 #include "vtkBondBreakAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -162,9 +161,6 @@ protected:
   void Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve) override;
 
 private:
-  vtkBondFracture(const vtkBondFracture&) = delete;
-  void operator=(const vtkBondFracture&) = delete;
-
   void SetOptions(lamella::peridynamics::FractureStudyOptions& options) const;
   /// What was found and how, in a state's field data.
   void Describe(vtkImageData* image, const lamella::BondScene& scene, const lamella::BondSettings& settings,
@@ -173,5 +169,3 @@ private:
   struct Internals;
   std::unique_ptr<Internals> Internal;
 };
-
-#endif

@@ -8,8 +8,7 @@
  * @sa vtkBondEquilibrium, vtkBondFracture
  */
 
-#ifndef vtkBondLoadAlgorithm_h
-#define vtkBondLoadAlgorithm_h
+#pragma once
 
 #include "vtkBondAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -95,10 +94,4 @@ protected:
   const char* LoadName() const;
 
   int Load = STRETCH; ///< subclasses set it: not every load is for all
-
-private:
-  vtkBondLoadAlgorithm(const vtkBondLoadAlgorithm&) = delete;
-  void operator=(const vtkBondLoadAlgorithm&) = delete;
 };
-
-#endif

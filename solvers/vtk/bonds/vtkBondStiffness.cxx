@@ -2,6 +2,7 @@
 
 #include "BondFields.h"
 #include "StiffnessTables.h"
+#include "vtkClassMacros.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
@@ -13,8 +14,6 @@
 #include "vtkInformation.h"
 #include "vtkObjectFactory.h"
 #include "vtkTable.h"
-
-#include <vector>
 
 namespace pd = lamella::peridynamics;
 
@@ -56,21 +55,9 @@ vtkBondStiffness::vtkBondStiffness()
   this->SetNumberOfOutputPorts(3);
 }
 
-vtkTable* vtkBondStiffness::GetTensor()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-vtkTable* vtkBondStiffness::GetConstants()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(2));
-}
-
-int vtkBondStiffness::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkImageData" : "vtkTable");
-  return 1;
-}
+vtkGetOutputMacro(vtkBondStiffness, Tensor, vtkTable, 1);
+vtkGetOutputMacro(vtkBondStiffness, Constants, vtkTable, 2);
+vtkOutputTypesMacro(vtkBondStiffness, "vtkImageData", "vtkTable", "vtkTable");
 
 void vtkBondStiffness::Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team)
 {

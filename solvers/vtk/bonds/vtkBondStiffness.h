@@ -52,8 +52,7 @@
  * @sa vtkBondEquilibrium, vtkMicrostructureSource, vtkPictureReader
  */
 
-#ifndef vtkBondStiffness_h
-#define vtkBondStiffness_h
+#pragma once
 
 #include "vtkBondAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -114,10 +113,5 @@ protected:
   void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team) override;
 
 private:
-  vtkBondStiffness(const vtkBondStiffness&) = delete;
-  void operator=(const vtkBondStiffness&) = delete;
-
   double EstimatedError;
 };
-
-#endif

@@ -1,12 +1,14 @@
 #include "vtkDiffusionAlgorithm.h"
 
 #include "Attempt.h"
-#include "Settings.h"
 #include "ThreadCount.h"
+#include "vtkClassMacros.h"
 #include "vtkPieces.h"
 
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
+
+vtkPrintSettingsMacro(vtkDiffusionAlgorithm);
 
 vtkDiffusionAlgorithm::vtkDiffusionAlgorithm()
 {
@@ -42,10 +44,4 @@ const char* vtkDiffusionAlgorithm::SidesName() const
 int vtkDiffusionAlgorithm::ThreadCount() const
 {
   return lamella::threadCount(this->Threads);
-}
-
-void vtkDiffusionAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -17,8 +17,7 @@
  * @sa vtkSteadyDiffusion, vtkLatticeBoltzmann
  */
 
-#ifndef vtkDiffusionAlgorithm_h
-#define vtkDiffusionAlgorithm_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -127,10 +126,5 @@ protected:
   vtkSmartPointer<vtkMultiProcessController> Controller = vtkMultiProcessController::GetGlobalController();
 
 private:
-  vtkDiffusionAlgorithm(const vtkDiffusionAlgorithm&) = delete;
-  void operator=(const vtkDiffusionAlgorithm&) = delete;
-
   int Failure = 0;
 };
-
-#endif

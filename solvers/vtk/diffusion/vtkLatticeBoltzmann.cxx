@@ -3,8 +3,8 @@
 #include "Columns.h"
 #include "DiffusionScene.h"
 #include "FieldNumbers.h"
-#include "Listed.h"
 #include "LongRun.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
 
@@ -96,47 +96,10 @@ vtkLatticeBoltzmann::vtkLatticeBoltzmann()
 
 vtkLatticeBoltzmann::~vtkLatticeBoltzmann() = default;
 
-void vtkLatticeBoltzmann::SetDiffusivity(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Diffusivity, phase, value);
-}
-
-void vtkLatticeBoltzmann::RemoveAllDiffusivities()
-{
-  lamella::removeAll(this, this->Internal->Diffusivity);
-}
-
-void vtkLatticeBoltzmann::AddStateAtTime(double time)
-{
-  this->Internal->Times.push_back(time);
-  this->Modified();
-}
-
-void vtkLatticeBoltzmann::RemoveAllStatesAtTimes()
-{
-  lamella::removeAll(this, this->Internal->Times);
-}
-
-void vtkLatticeBoltzmann::AddStateAtStep(vtkIdType step)
-{
-  this->Internal->Steps.push_back(step);
-  this->Modified();
-}
-
-void vtkLatticeBoltzmann::RemoveAllStatesAtSteps()
-{
-  lamella::removeAll(this, this->Internal->Steps);
-}
-
-int vtkLatticeBoltzmann::GetNumberOfStates()
-{
-  return this->Internal->States.count();
-}
-
-vtkImageData* vtkLatticeBoltzmann::GetStateImage(int state)
-{
-  return this->Internal->States.at(state);
-}
+vtkSetNamedMacro(vtkLatticeBoltzmann, Diffusivity, Diffusivities, Internal->Diffusivity);
+vtkAddToListMacro(vtkLatticeBoltzmann, StateAtTime, StatesAtTimes, double, Internal->Times);
+vtkAddToListMacro(vtkLatticeBoltzmann, StateAtStep, StatesAtSteps, vtkIdType, Internal->Steps);
+vtkGetStatesMacro(vtkLatticeBoltzmann, Image, vtkImageData, Internal->States);
 
 vtkTable* vtkLatticeBoltzmann::GetCurve()
 {

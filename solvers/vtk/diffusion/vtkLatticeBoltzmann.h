@@ -30,8 +30,7 @@
  * @sa vtkSteadyDiffusion
  */
 
-#ifndef vtkLatticeBoltzmann_h
-#define vtkLatticeBoltzmann_h
+#pragma once
 
 #include "vtkDiffusionAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -190,9 +189,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkLatticeBoltzmann(const vtkLatticeBoltzmann&) = delete;
-  void operator=(const vtkLatticeBoltzmann&) = delete;
-
   struct Internals;
   void Run(vtkImageData* input, const lamella::Team& team);
 
@@ -200,5 +196,3 @@ private:
 
   vtkIdType LastCheckpoint = 0;
 };
-
-#endif

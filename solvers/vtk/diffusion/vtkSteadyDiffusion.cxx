@@ -3,10 +3,10 @@
 #include "BondFields.h"
 #include "BoxExchange.h"
 #include "DiffusionScene.h"
-#include "Listed.h"
 #include "RefinedImage.h"
 #include "SteadyFindings.h"
 #include "WallConductivity.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 
@@ -27,7 +27,6 @@
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
-#include "vtkUnsignedCharArray.h"
 
 #include <fmt/format.h>
 
@@ -195,20 +194,12 @@ vtkSteadyDiffusion::vtkSteadyDiffusion()
 
 vtkSteadyDiffusion::~vtkSteadyDiffusion() = default;
 
-void vtkSteadyDiffusion::SetConductivity(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Conductivity, phase, value);
-}
+vtkSetNamedMacro(vtkSteadyDiffusion, Conductivity, Conductivities, Internal->Conductivity);
 
 void vtkSteadyDiffusion::RemoveConductivity(const char* phase)
 {
   if (phase != nullptr && this->Internal->Conductivity.erase(phase) > 0)
     this->Modified();
-}
-
-void vtkSteadyDiffusion::RemoveAllConductivities()
-{
-  lamella::removeAll(this, this->Internal->Conductivity);
 }
 
 int vtkSteadyDiffusion::GetNumberOfConductivities()
@@ -221,15 +212,7 @@ double vtkSteadyDiffusion::GetConductivity(const char* phase)
   return lamella::named(this->Internal->Conductivity, phase);
 }
 
-void vtkSteadyDiffusion::SetConductivityAcross(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Across, phase, value);
-}
-
-void vtkSteadyDiffusion::RemoveAllConductivitiesAcross()
-{
-  lamella::removeAll(this, this->Internal->Across);
-}
+vtkSetNamedMacro(vtkSteadyDiffusion, ConductivityAcross, ConductivitiesAcross, Internal->Across);
 
 double vtkSteadyDiffusion::GetConductivityAcross(const char* phase)
 {

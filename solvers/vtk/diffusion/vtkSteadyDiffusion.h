@@ -53,8 +53,7 @@
  * @sa vtkLatticeBoltzmann, vtkFluxMap, vtkPictureReader, vtkMicrostructureSource
  */
 
-#ifndef vtkSteadyDiffusion_h
-#define vtkSteadyDiffusion_h
+#pragma once
 
 #include "vtkDiffusionAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -241,9 +240,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkSteadyDiffusion(const vtkSteadyDiffusion&) = delete;
-  void operator=(const vtkSteadyDiffusion&) = delete;
-
   struct Internals;
   class FieldStore;
   void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
@@ -260,5 +256,3 @@ private:
   double EffectiveConductivity[9];
   double EstimatedError;
 };
-
-#endif

@@ -16,7 +16,6 @@
 #include "vtkXMLPolyDataReader.h"
 #include "vtkXMLUnstructuredGridReader.h"
 
-#include <algorithm>
 #include <filesystem>
 
 namespace lamella

@@ -4,6 +4,7 @@
 #include "GridReaders.h"
 #include "PackingData.h"
 #include "PackingTable.h"
+#include "vtkClassMacros.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
@@ -38,6 +39,7 @@ void readParticles(const std::string& path, vtkPolyData* particles)
 } // namespace
 
 vtkStandardNewMacro(vtkPackingReader);
+vtkPrintSettingsMacro(vtkPackingReader);
 
 vtkPackingReader::vtkPackingReader()
 {
@@ -50,16 +52,8 @@ vtkPackingReader::~vtkPackingReader()
   this->SetFileName(nullptr);
 }
 
-vtkPolyData* vtkPackingReader::GetContacts()
-{
-  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-int vtkPackingReader::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
-{
-  lamella::allInFirstPiece(outputVector);
-  return 1;
-}
+vtkGetOutputMacro(vtkPackingReader, Contacts, vtkPolyData, 1);
+vtkAllInFirstPieceMacro(vtkPackingReader);
 
 void vtkPackingReader::Read(vtkPolyData* particles, vtkPolyData* contacts)
 {
@@ -104,10 +98,4 @@ int vtkPackingReader::RequestData(vtkInformation*, vtkInformationVector**, vtkIn
     return 0;
   }
   return 1;
-}
-
-void vtkPackingReader::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

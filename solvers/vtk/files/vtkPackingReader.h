@@ -16,8 +16,7 @@
  * @sa vtkGrainPacking vtkMatrixBridges
  */
 
-#ifndef vtkPackingReader_h
-#define vtkPackingReader_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
@@ -71,12 +70,7 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkPackingReader(const vtkPackingReader&) = delete;
-  void operator=(const vtkPackingReader&) = delete;
-
   void Read(vtkPolyData* particles, vtkPolyData* contacts);
 
   char* FileName = nullptr;
 };
-
-#endif

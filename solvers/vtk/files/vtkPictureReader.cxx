@@ -1,9 +1,9 @@
 #include "vtkPictureReader.h"
 
 #include "Attempt.h"
-#include "Listed.h"
 #include "PhasePicture.h"
 #include "Settings.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -19,6 +19,7 @@
 #include <algorithm>
 
 vtkStandardNewMacro(vtkPictureReader);
+vtkPrintSettingsMacro(vtkPictureReader);
 
 namespace
 {
@@ -60,10 +61,7 @@ void vtkPictureReader::SetPhase(const char* greys, const char* name)
     lamella::setNamed(this, this->PhaseOfGreys, greys, std::string(name));
 }
 
-void vtkPictureReader::RemoveAllPhases()
-{
-  lamella::removeAll(this, this->PhaseOfGreys);
-}
+vtkRemoveAllMacro(vtkPictureReader, Phases, PhaseOfGreys);
 
 int vtkPictureReader::GetNumberOfPhases()
 {
@@ -177,10 +175,4 @@ int vtkPictureReader::RequestData(vtkInformation*, vtkInformationVector**, vtkIn
     return 0;
   lamella::deliver(this->Image, outputVector->GetInformationObject(0));
   return 1;
-}
-
-void vtkPictureReader::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

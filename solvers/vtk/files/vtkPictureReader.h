@@ -19,8 +19,7 @@
  * `pixel_size_source` is "none".
  */
 
-#ifndef vtkPictureReader_h
-#define vtkPictureReader_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -316,9 +315,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkPictureReader(const vtkPictureReader&) = delete;
-  void operator=(const vtkPictureReader&) = delete;
-
   /** Reads the file unless it has been read with these settings. */
   bool Read();
   void Load();
@@ -332,5 +328,3 @@ private:
   vtkSmartPointer<vtkImageData> Image; ///< what was read
   vtkTimeStamp ReadTime;
 };
-
-#endif

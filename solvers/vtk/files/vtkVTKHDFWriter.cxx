@@ -2,6 +2,7 @@
 
 #include "Attempt.h"
 #include "CellConversion.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 
 #include "core/Error.h"
@@ -436,6 +437,7 @@ void vtkVTKHDFWriter::File::WriteLayers(vtkImageData* image, int first, int last
 }
 
 vtkStandardNewMacro(vtkVTKHDFWriter);
+vtkPrintSettingsMacro(vtkVTKHDFWriter);
 
 vtkVTKHDFWriter::vtkVTKHDFWriter() = default;
 
@@ -585,10 +587,4 @@ void vtkVTKHDFWriter::WriteData()
     this->SetErrorCode(vtkErrorCode::NoError);
   }
   this->Discard();
-}
-
-void vtkVTKHDFWriter::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

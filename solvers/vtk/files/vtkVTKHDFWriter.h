@@ -31,8 +31,7 @@
  * Format: https://docs.vtk.org/en/latest/design_documents/VTKFileFormats.html#vtkhdf-file-format
  */
 
-#ifndef vtkVTKHDFWriter_h
-#define vtkVTKHDFWriter_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkSetting.h"
@@ -79,9 +78,6 @@ protected:
   void WriteData() override;
 
 private:
-  vtkVTKHDFWriter(const vtkVTKHDFWriter&) = delete;
-  void operator=(const vtkVTKHDFWriter&) = delete;
-
   struct File;
   /** Runs what writes, and tells in ErrorCode what the format has no place for from a disk that is full. */
   template <typename Action>
@@ -92,5 +88,3 @@ private:
   char* FileName = nullptr;
   std::unique_ptr<File> Open; ///< while an image is written slab by slab
 };
-
-#endif

@@ -5,16 +5,15 @@
 #include "ContourField.h"
 #include "FieldNumbers.h"
 #include "PhaseIds.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
-#include "core/Error.h"
 #include "outlines/ContourEdit.h"
 #include "outlines/ContourExtraction.h"
 
 #include "vtkDataObject.h"
-#include "vtkDoubleArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
@@ -27,20 +26,12 @@
 #include <string>
 
 vtkStandardNewMacro(vtkMicrographContours);
+vtkPrintSettingsMacro(vtkMicrographContours);
 
 vtkMicrographContours::vtkMicrographContours() = default;
 
-int vtkMicrographContours::FillInputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
-  return 1;
-}
-
-int vtkMicrographContours::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
-{
-  lamella::allInFirstPiece(outputs);
-  return 1;
-}
+vtkInputTypeMacro(vtkMicrographContours, "vtkImageData");
+vtkAllInFirstPieceMacro(vtkMicrographContours);
 
 int vtkMicrographContours::RequestUpdateExtent(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
@@ -135,10 +126,4 @@ int vtkMicrographContours::RequestData(
     return 0;
   }
   return 1;
-}
-
-void vtkMicrographContours::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

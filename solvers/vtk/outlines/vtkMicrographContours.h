@@ -24,8 +24,7 @@
  * @sa vtkMicrographPolygonReader vtkMicrographLattice vtkOutlineDiffusion vtkPictureReader
  */
 
-#ifndef vtkMicrographContours_h
-#define vtkMicrographContours_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
@@ -137,10 +136,5 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkMicrographContours(const vtkMicrographContours&) = delete;
-  void operator=(const vtkMicrographContours&) = delete;
-
   void Extract(vtkImageData* image, vtkPolyData* outlines);
 };
-
-#endif

@@ -4,6 +4,7 @@
 #include "ContourData.h"
 #include "ContourField.h"
 #include "FieldNumbers.h"
+#include "vtkClassMacros.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
 
@@ -15,7 +16,6 @@
 #include "outlines/WallDirection.h"
 #include "outlines/WallThickness.h"
 
-#include "vtkDoubleArray.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -207,16 +207,8 @@ bool vtkMicrographLattice::Rasterise(vtkPolyData* outlines, vtkImageData* pictur
   return true;
 }
 
-vtkImageData* vtkMicrographLattice::GetOutput()
-{
-  return vtkImageData::SafeDownCast(this->GetOutputDataObject(0));
-}
-
-int vtkMicrographLattice::FillOutputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkImageData");
-  return 1;
-}
+vtkGetOutputMacro(vtkMicrographLattice, Output, vtkImageData, 0);
+vtkOutputTypesMacro(vtkMicrographLattice, "vtkImageData");
 
 int vtkMicrographLattice::RequestInformation(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)

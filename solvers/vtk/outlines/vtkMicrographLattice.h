@@ -27,8 +27,7 @@
  * @sa vtkMicrographContours vtkMicrographPolygonReader vtkSteadyDiffusion
  */
 
-#ifndef vtkMicrographLattice_h
-#define vtkMicrographLattice_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkOutlineAlgorithm.h"
@@ -70,9 +69,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkMicrographLattice(const vtkMicrographLattice&) = delete;
-  void operator=(const vtkMicrographLattice&) = delete;
-
   /// Makes Image, unless it is up to date; says what is wrong.
   bool Rasterise(vtkPolyData* outlines, vtkImageData* picture);
   vtkSmartPointer<vtkImageData> Made(vtkPolyData* outlines, vtkImageData* picture);
@@ -80,5 +76,3 @@ private:
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;
 };
-
-#endif

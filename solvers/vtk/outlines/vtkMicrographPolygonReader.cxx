@@ -4,6 +4,7 @@
 #include "ContourData.h"
 #include "FieldNumbers.h"
 #include "GridReaders.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -23,6 +24,7 @@
 #include <string>
 
 vtkStandardNewMacro(vtkMicrographPolygonReader);
+vtkPrintSettingsMacro(vtkMicrographPolygonReader);
 
 vtkMicrographPolygonReader::vtkMicrographPolygonReader()
 {
@@ -35,17 +37,8 @@ vtkMicrographPolygonReader::~vtkMicrographPolygonReader()
   this->SetFileName(nullptr);
 }
 
-vtkPolyData* vtkMicrographPolygonReader::GetCells()
-{
-  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-int vtkMicrographPolygonReader::RequestInformation(
-  vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
-{
-  lamella::allInFirstPiece(outputVector);
-  return 1;
-}
+vtkGetOutputMacro(vtkMicrographPolygonReader, Cells, vtkPolyData, 1);
+vtkAllInFirstPieceMacro(vtkMicrographPolygonReader);
 
 bool vtkMicrographPolygonReader::HasWindow() const
 {
@@ -149,10 +142,4 @@ int vtkMicrographPolygonReader::RequestData(vtkInformation*, vtkInformationVecto
     return 0;
   }
   return 1;
-}
-
-void vtkMicrographPolygonReader::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

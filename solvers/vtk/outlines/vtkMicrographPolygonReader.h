@@ -16,8 +16,7 @@
  * @sa vtkMicrographContours vtkMicrographLattice
  */
 
-#ifndef vtkMicrographPolygonReader_h
-#define vtkMicrographPolygonReader_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
@@ -81,9 +80,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkMicrographPolygonReader(const vtkMicrographPolygonReader&) = delete;
-  void operator=(const vtkMicrographPolygonReader&) = delete;
-
   bool HasWindow() const;
   void Read(vtkPolyData* lumens, vtkPolyData* cells);
   void Crop(vtkPolyData* lumens);
@@ -92,5 +88,3 @@ private:
   char* FileName = nullptr;
   double Window[4] = { 0, 0, 0, 0 };
 };
-
-#endif

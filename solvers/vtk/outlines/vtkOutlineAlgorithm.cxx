@@ -1,12 +1,14 @@
 #include "vtkOutlineAlgorithm.h"
 
-#include "Settings.h"
+#include "vtkClassMacros.h"
 #include "vtkPieces.h"
 
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+
+vtkPrintSettingsMacro(vtkOutlineAlgorithm);
 
 vtkOutlineAlgorithm::vtkOutlineAlgorithm()
 {
@@ -34,10 +36,4 @@ int vtkOutlineAlgorithm::RequestUpdateExtent(vtkInformation*, vtkInformationVect
   if (picture != nullptr && picture->Has(Pipeline::WHOLE_EXTENT()))
     picture->Set(Pipeline::UPDATE_EXTENT(), picture->Get(Pipeline::WHOLE_EXTENT()), 6);
   return 1;
-}
-
-void vtkOutlineAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

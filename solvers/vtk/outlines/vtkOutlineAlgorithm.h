@@ -8,8 +8,7 @@
  * @sa vtkMicrographLattice vtkOutlineDiffusion
  */
 
-#ifndef vtkOutlineAlgorithm_h
-#define vtkOutlineAlgorithm_h
+#pragma once
 
 #include "vtkDataObjectAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -78,10 +77,4 @@ protected:
 
   int FillInputPortInformation(int port, vtkInformation* info) override;
   int RequestUpdateExtent(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
-
-private:
-  vtkOutlineAlgorithm(const vtkOutlineAlgorithm&) = delete;
-  void operator=(const vtkOutlineAlgorithm&) = delete;
 };
-
-#endif

@@ -3,10 +3,10 @@
 #include "Attempt.h"
 #include "ContourData.h"
 #include "ContourField.h"
-#include "Listed.h"
 #include "OutlineFindings.h"
 #include "PhaseIds.h"
 #include "ThreadCount.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -141,15 +141,7 @@ vtkOutlineDiffusion::vtkOutlineDiffusion()
 
 vtkOutlineDiffusion::~vtkOutlineDiffusion() = default;
 
-void vtkOutlineDiffusion::SetConductivity(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Conductivity, phase, value);
-}
-
-void vtkOutlineDiffusion::RemoveAllConductivities()
-{
-  lamella::removeAll(this, this->Internal->Conductivity);
-}
+vtkSetNamedMacro(vtkOutlineDiffusion, Conductivity, Conductivities, Internal->Conductivity);
 
 double vtkOutlineDiffusion::GetConductivity(const char* phase)
 {
@@ -170,22 +162,9 @@ void vtkOutlineDiffusion::RequireConductivities() const
   }
 }
 
-vtkPolyData* vtkOutlineDiffusion::GetOutput()
-{
-  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(0));
-}
-
-int vtkOutlineDiffusion::FillOutputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkPolyData");
-  return 1;
-}
-
-int vtkOutlineDiffusion::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputs)
-{
-  lamella::allInFirstPiece(outputs);
-  return 1;
-}
+vtkGetOutputMacro(vtkOutlineDiffusion, Output, vtkPolyData, 0);
+vtkOutputTypesMacro(vtkOutlineDiffusion, "vtkPolyData");
+vtkAllInFirstPieceMacro(vtkOutlineDiffusion);
 
 int vtkOutlineDiffusion::RequestData(
   vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector* outputVector)

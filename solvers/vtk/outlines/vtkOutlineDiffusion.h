@@ -30,8 +30,7 @@
  * @sa vtkMicrographContours vtkMicrographPolygonReader vtkSteadyDiffusion
  */
 
-#ifndef vtkOutlineDiffusion_h
-#define vtkOutlineDiffusion_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkOutlineAlgorithm.h"
@@ -132,13 +131,8 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkOutlineDiffusion(const vtkOutlineDiffusion&) = delete;
-  void operator=(const vtkOutlineDiffusion&) = delete;
-
   struct Internals;
   void Solve(vtkPolyData* outlines, vtkImageData* picture, vtkPolyData* output);
 
   std::unique_ptr<Internals> Internal;
 };
-
-#endif

@@ -1,7 +1,7 @@
 #include "vtkPointAlgorithm.h"
 
-#include "Listed.h"
 #include "PointScene.h"
+#include "vtkClassMacros.h"
 #include "vtkPieces.h"
 
 #include "core/Error.h"
@@ -42,16 +42,8 @@ void vtkPointAlgorithm::SetPhaseConstant(const char* phase, const char* constant
   }
 }
 
-void vtkPointAlgorithm::RemoveAllPhaseConstants()
-{
-  lamella::removeAll(this, this->Internal->Constants);
-}
-
-int vtkPointAlgorithm::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
-{
-  lamella::allInFirstPiece(outputVector);
-  return 1;
-}
+vtkRemoveAllMacro(vtkPointAlgorithm, PhaseConstants, Internal->Constants);
+vtkAllInFirstPieceMacro(vtkPointAlgorithm);
 
 int vtkPointAlgorithm::RequestData(
   vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)

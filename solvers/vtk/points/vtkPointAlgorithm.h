@@ -21,8 +21,7 @@
  * @sa vtkPointCompression, vtkPointStiffness
  */
 
-#ifndef vtkPointAlgorithm_h
-#define vtkPointAlgorithm_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkSampleAlgorithm.h"
@@ -202,13 +201,8 @@ protected:
   lamella::PointSettings Settings() const;
 
 private:
-  vtkPointAlgorithm(const vtkPointAlgorithm&) = delete;
-  void operator=(const vtkPointAlgorithm&) = delete;
-
   struct Internals;
   std::unique_ptr<Internals> Internal;
 
 protected:
 };
-
-#endif

@@ -1,10 +1,10 @@
 #include "vtkPointCompression.h"
 
 #include "FieldNumbers.h"
-#include "Listed.h"
 #include "LongRun.h"
 #include "PointOutput.h"
 #include "PointScene.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
 
@@ -92,51 +92,16 @@ vtkPointCompression::vtkPointCompression()
 
 vtkPointCompression::~vtkPointCompression() = default;
 
-int vtkPointCompression::FillOutputPortInformation(int port, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), port == 0 ? "vtkPolyData" : "vtkTable");
-  return 1;
-}
-
-vtkPolyData* vtkPointCompression::GetPoints()
-{
-  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(0));
-}
-
-vtkTable* vtkPointCompression::GetCurve()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(1));
-}
-
-int vtkPointCompression::GetNumberOfStates()
-{
-  return this->Kept->States.count();
-}
-
-vtkPolyData* vtkPointCompression::GetStatePoints(int state)
-{
-  return this->Kept->States.at(state);
-}
-
-void vtkPointCompression::AddStateAtStrain(double strain)
-{
-  this->Kept->Strains.push_back(strain);
-  this->Modified();
-}
-
-void vtkPointCompression::RemoveAllStatesAtStrains()
-{
-  lamella::removeAll(this, this->Kept->Strains);
-}
+vtkOutputTypesMacro(vtkPointCompression, "vtkPolyData", "vtkTable");
+vtkGetOutputMacro(vtkPointCompression, Points, vtkPolyData, 0);
+vtkGetOutputMacro(vtkPointCompression, Curve, vtkTable, 1);
+vtkGetStatesMacro(vtkPointCompression, Points, vtkPolyData, Kept->States);
+vtkAddToListMacro(vtkPointCompression, StateAtStrain, StatesAtStrains, double, Kept->Strains);
 
 #define LAMELLA_SHOW(name)                                                                                             \
   void vtkPointCompression::SetCompute##name(bool on)                                                                  \
   {                                                                                                                    \
-    if (this->Compute##name != on)                                                                                     \
-    {                                                                                                                  \
-      this->Compute##name = on;                                                                                        \
-      this->Kept->States.touch();                                                                                      \
-    }                                                                                                                  \
+    this->Kept->States.toggle(this->Compute##name, on);                                                                \
   }
 LAMELLA_SHOW(Displacement)
 LAMELLA_SHOW(Velocity)
@@ -150,15 +115,7 @@ void vtkPointCompression::SetState(int state)
   this->Kept->States.choose(state);
 }
 
-int vtkPointCompression::GetState()
-{
-  return this->Kept->States.chosen();
-}
-
-vtkMTimeType vtkPointCompression::GetMTime()
-{
-  return this->Kept->States.changed(this->Superclass::GetMTime());
-}
+vtkShownStateMacro(vtkPointCompression, Kept->States);
 
 void vtkPointCompression::Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& team)
 {

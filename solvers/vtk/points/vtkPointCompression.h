@@ -42,8 +42,7 @@
  * @sa vtkPointStiffness, vtkMicrographLattice
  */
 
-#ifndef vtkPointCompression_h
-#define vtkPointCompression_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPointAlgorithm.h"
@@ -292,9 +291,6 @@ protected:
   void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& team) override;
 
 private:
-  vtkPointCompression(const vtkPointCompression&) = delete;
-  void operator=(const vtkPointCompression&) = delete;
-
   struct Internals;
   std::unique_ptr<Internals> Kept;
 
@@ -306,5 +302,3 @@ private:
   int StateRange[2] = { -1, 0 }; // VTK's macros want an array
   vtkIdType LastCheckpoint = 0;
 };
-
-#endif

@@ -3,6 +3,7 @@
 #include "FieldNumbers.h"
 #include "NewArray.h"
 #include "PointScene.h"
+#include "vtkClassMacros.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
@@ -110,21 +111,9 @@ vtkPointStiffness::vtkPointStiffness()
   this->SetNumberOfOutputPorts(2);
 }
 
-int vtkPointStiffness::FillOutputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkDataObject::DATA_TYPE_NAME(), "vtkTable");
-  return 1;
-}
-
-vtkTable* vtkPointStiffness::GetConstants()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(0));
-}
-
-vtkTable* vtkPointStiffness::GetTensor()
-{
-  return vtkTable::SafeDownCast(this->GetOutputDataObject(1));
-}
+vtkOutputTypesMacro(vtkPointStiffness, "vtkTable", "vtkTable");
+vtkGetOutputMacro(vtkPointStiffness, Constants, vtkTable, 0);
+vtkGetOutputMacro(vtkPointStiffness, Tensor, vtkTable, 1);
 
 template <int Dim>
 vtkPointStiffness::Answer vtkPointStiffness::Solve(const lamella::PointScene& scene)

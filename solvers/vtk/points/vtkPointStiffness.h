@@ -27,8 +27,7 @@
  * @sa vtkPointCompression, vtkBondStiffness
  */
 
-#ifndef vtkPointStiffness_h
-#define vtkPointStiffness_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPointAlgorithm.h"
@@ -97,12 +96,7 @@ protected:
   void Run(vtkImageData* input, vtkInformationVector* outputs, const lamella::Team& alone) override;
 
 private:
-  vtkPointStiffness(const vtkPointStiffness&) = delete;
-  void operator=(const vtkPointStiffness&) = delete;
-
   struct Answer;
   template <int Dim>
   Answer Solve(const lamella::PointScene& scene);
 };
-
-#endif

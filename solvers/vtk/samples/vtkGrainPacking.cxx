@@ -2,10 +2,10 @@
 
 #include "Attempt.h"
 #include "FieldNumbers.h"
-#include "Listed.h"
 #include "LongRun.h"
 #include "PackingData.h"
 #include "ThreadCount.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkProvenance.h"
 
@@ -36,6 +36,7 @@ struct vtkGrainPacking::Internals
 };
 
 vtkStandardNewMacro(vtkGrainPacking);
+vtkPrintSettingsMacro(vtkGrainPacking);
 
 vtkGrainPacking::vtkGrainPacking()
   : Kept(std::make_unique<Internals>())
@@ -44,33 +45,12 @@ vtkGrainPacking::vtkGrainPacking()
   this->SetNumberOfOutputPorts(2);
 }
 
-vtkPolyData* vtkGrainPacking::GetContacts()
-{
-  return vtkPolyData::SafeDownCast(this->GetOutputDataObject(1));
-}
+vtkGetOutputMacro(vtkGrainPacking, Contacts, vtkPolyData, 1);
 
 vtkGrainPacking::~vtkGrainPacking() = default;
 
-void vtkGrainPacking::AddSeed(vtkIdType seed)
-{
-  this->Kept->Seeds.push_back(seed);
-  this->Modified();
-}
-
-void vtkGrainPacking::RemoveAllSeeds()
-{
-  lamella::removeAll(this, this->Kept->Seeds);
-}
-
-int vtkGrainPacking::GetNumberOfStates()
-{
-  return this->Kept->States.count();
-}
-
-vtkPolyData* vtkGrainPacking::GetStateGrains(int state)
-{
-  return this->Kept->States.at(state);
-}
+vtkAddToListMacro(vtkGrainPacking, Seed, Seeds, vtkIdType, Kept->Seeds);
+vtkGetStatesMacro(vtkGrainPacking, Grains, vtkPolyData, Kept->States);
 
 vtkPolyData* vtkGrainPacking::GetStateContacts(int state)
 {
@@ -83,21 +63,8 @@ void vtkGrainPacking::SetState(int state)
   this->Kept->Contacts.choose(state);
 }
 
-int vtkGrainPacking::GetState()
-{
-  return this->Kept->States.chosen();
-}
-
-vtkMTimeType vtkGrainPacking::GetMTime()
-{
-  return this->Kept->States.changed(this->Superclass::GetMTime());
-}
-
-int vtkGrainPacking::RequestInformation(vtkInformation*, vtkInformationVector**, vtkInformationVector* outputVector)
-{
-  lamella::allInFirstPiece(outputVector);
-  return 1;
-}
+vtkShownStateMacro(vtkGrainPacking, Kept->States);
+vtkAllInFirstPieceMacro(vtkGrainPacking);
 
 void vtkGrainPacking::Pack()
 {
@@ -212,10 +179,4 @@ int vtkGrainPacking::RequestData(vtkInformation*, vtkInformationVector**, vtkInf
     &failure);
   this->Failure = static_cast<int>(failure);
   return lamella::concluded(this, outcome, outputVector);
-}
-
-void vtkGrainPacking::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

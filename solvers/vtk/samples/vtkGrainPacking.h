@@ -25,8 +25,7 @@
  * @sa vtkPackingReader vtkMatrixBridges
  */
 
-#ifndef vtkGrainPacking_h
-#define vtkGrainPacking_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkPolyDataAlgorithm.h"
@@ -206,9 +205,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkGrainPacking(const vtkGrainPacking&) = delete;
-  void operator=(const vtkGrainPacking&) = delete;
-
   struct Internals;
   std::unique_ptr<Internals> Kept;
 
@@ -217,5 +213,3 @@ private:
   int StateRange[2] = { -1, 0 }; // VTK's macros want an array
   int Failure = 0;
 };
-
-#endif

@@ -2,6 +2,7 @@
 
 #include "Attempt.h"
 #include "PackingData.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -20,14 +21,11 @@
 #include <cmath>
 
 vtkStandardNewMacro(vtkMatrixBridges);
+vtkPrintSettingsMacro(vtkMatrixBridges);
 
 vtkMatrixBridges::vtkMatrixBridges() = default;
 
-int vtkMatrixBridges::FillInputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkPolyData");
-  return 1;
-}
+vtkInputTypeMacro(vtkMatrixBridges, "vtkPolyData");
 
 bool vtkMatrixBridges::Cement(vtkPolyData* particles)
 {
@@ -111,10 +109,4 @@ int vtkMatrixBridges::RequestData(
     return 0;
   lamella::deliver(this->Image, outputVector->GetInformationObject(0));
   return 1;
-}
-
-void vtkMatrixBridges::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

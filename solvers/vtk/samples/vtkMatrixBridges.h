@@ -19,8 +19,7 @@
  * @sa vtkGrainPacking vtkPackingReader vtkSteadyDiffusion
  */
 
-#ifndef vtkMatrixBridges_h
-#define vtkMatrixBridges_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -115,13 +114,8 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkMatrixBridges(const vtkMatrixBridges&) = delete;
-  void operator=(const vtkMatrixBridges&) = delete;
-
   bool Cement(vtkPolyData* particles); ///< makes Image, unless it is up to date; says what is wrong
 
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;
 };
-
-#endif

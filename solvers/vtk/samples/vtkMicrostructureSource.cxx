@@ -2,6 +2,7 @@
 
 #include "Attempt.h"
 #include "Settings.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -22,6 +23,7 @@
 #include <optional>
 
 vtkStandardNewMacro(vtkMicrostructureSource);
+vtkPrintSettingsMacro(vtkMicrostructureSource);
 
 vtkMicrostructureSource::vtkMicrostructureSource()
 {
@@ -176,10 +178,4 @@ int vtkMicrostructureSource::RequestData(vtkInformation*, vtkInformationVector**
     lamella::deliver(this->Image, outputVector->GetInformationObject(0));
   };
   return lamella::concluded(this, lamella::attempt(this, make), outputVector);
-}
-
-void vtkMicrostructureSource::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

@@ -12,8 +12,7 @@
  * and 1.
  */
 
-#ifndef vtkMicrostructureSource_h
-#define vtkMicrostructureSource_h
+#pragma once
 
 #include "vtkImageAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -308,9 +307,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkMicrostructureSource(const vtkMicrostructureSource&) = delete;
-  void operator=(const vtkMicrostructureSource&) = delete;
-
   lamella::PhaseImage Tissue(int n);
   lamella::PhaseImage Sample();
   void Generate();
@@ -318,5 +314,3 @@ private:
   vtkSmartPointer<vtkImageData> Image; ///< what was made
   vtkTimeStamp MadeTime;
 };
-
-#endif

@@ -105,8 +105,15 @@ public:
   [[nodiscard]] int chosen() const { return chosen_; }
   /// Of an algorithm that shows them, whose own settings changed at this time.
   [[nodiscard]] vtkMTimeType changed(vtkMTimeType settings) const { return std::max(settings, changed_.GetMTime()); }
-  /// Something else of them is to be shown, for which nothing runs again.
-  void touch() { changed_.Modified(); }
+  /// Something of them is to be shown, or no more, for which nothing runs again.
+  void toggle(bool& setting, bool on)
+  {
+    if (setting != on)
+    {
+      setting = on;
+      changed_.Modified();
+    }
+  }
   /// The one that is shown. There is one at least.
   [[nodiscard]] Data* shown() const { return at(chosen_ < 0 ? count() - 1 : std::min(chosen_, count() - 1)); }
   /// Gives the output that state and its time.

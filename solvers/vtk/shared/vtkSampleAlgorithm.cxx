@@ -2,10 +2,9 @@
 
 #include "Attempt.h"
 #include "Failures.h"
-#include "Listed.h"
 #include "SettingTable.h"
-#include "Settings.h"
 #include "ThreadCount.h"
+#include "vtkClassMacros.h"
 #include "vtkPieces.h"
 
 #include "vtkInformation.h"
@@ -35,6 +34,8 @@ void told(const std::function<void(const std::exception&)>& tell)
 
 } // namespace
 
+vtkPrintSettingsMacro(vtkSampleAlgorithm);
+
 vtkSampleAlgorithm::vtkSampleAlgorithm()
 {
   this->SetInputArrayToProcess(0, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "phase");
@@ -50,24 +51,9 @@ void vtkSampleAlgorithm::AddVoid(const char* phase)
   }
 }
 
-void vtkSampleAlgorithm::RemoveAllVoids()
-{
-  lamella::removeAll(this, this->Voids);
-}
-
-int vtkSampleAlgorithm::FillInputPortInformation(int, vtkInformation* info)
-{
-  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
-  return 1;
-}
-
-int vtkSampleAlgorithm::RequestUpdateExtent(
-  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
-{
-  lamella::requestInput(
-    inputVector[0]->GetInformationObject(0), lamella::requestedOutput(request, outputVector), this->Controller);
-  return 1;
-}
+vtkRemoveAllMacro(vtkSampleAlgorithm, Voids, Voids);
+vtkInputTypeMacro(vtkSampleAlgorithm, "vtkImageData");
+vtkRequestPiecesMacro(vtkSampleAlgorithm);
 
 int vtkSampleAlgorithm::Attempt(const std::function<void()>& run, vtkInformationVector* outputs)
 {
@@ -138,10 +124,4 @@ int vtkSampleAlgorithm::FindChoice(const char* className, const char* setting, c
 int vtkSampleAlgorithm::ThreadCount() const
 {
   return lamella::threadCount(this->Threads);
-}
-
-void vtkSampleAlgorithm::PrintSelf(ostream& os, vtkIndent indent)
-{
-  this->Superclass::PrintSelf(os, indent);
-  lamella::printSettings(this, os, indent);
 }

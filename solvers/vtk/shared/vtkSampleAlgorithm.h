@@ -10,8 +10,7 @@
  * @sa vtkBondAlgorithm, vtkPointAlgorithm
  */
 
-#ifndef vtkSampleAlgorithm_h
-#define vtkSampleAlgorithm_h
+#pragma once
 
 #include "vtkDataObjectAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
@@ -112,11 +111,6 @@ protected:
   vtkSmartPointer<vtkMultiProcessController> Controller; ///< null: each rank works by itself
 
 private:
-  vtkSampleAlgorithm(const vtkSampleAlgorithm&) = delete;
-  void operator=(const vtkSampleAlgorithm&) = delete;
-
   std::vector<std::string> Voids;
   int Failure = NO_FAILURE;
 };
-
-#endif

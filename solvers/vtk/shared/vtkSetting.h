@@ -3,8 +3,7 @@
  * switches it, and the protected member of that name. tools/settings/headers.py says what the comment above holds.
  */
 
-#ifndef vtkSetting_h
-#define vtkSetting_h
+#pragma once
 
 #include "vtkSetGet.h"
 
@@ -42,5 +41,3 @@ protected:                                                                      
                                                                                                                        \
 public:                                                                                                                \
   vtkGetVector3Macro(name, type)
-
-#endif

@@ -25,7 +25,6 @@ def bond_stiffness(image: Image, settings: Settings, progress: Progress | None =
     """Effective stiffness tensor of a sample taken as a cell that repeats, by bonds; returns a BondStiffnessResult.
 
     image           as equilibrium() takes it, and so are pairs
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
 
     Strains are small, every side is periodic, nothing breaks.
     """

@@ -150,7 +150,6 @@ def collapse_map(
     points          a vtkPolyData a state, with the arrays ``id`` and ``deformation_gradient``, a list of them, or a
                     vtkAlgorithm that offers them as time steps
     strains         one a state, rising; None: the field data ``strain`` of each, or the times of an algorithm
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     collapse = vtkCollapseMap()
     collapse.SetInputData(as_image(sample))

@@ -173,7 +173,6 @@ def compression(
 
     image           a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers; with the point
                     array ``axis`` walls are orthotropic along it
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     on_step         called as on_step(state) with each PointState that the run comes to; memory then holds one at a time, and
                     the result has the last one only
 
@@ -195,7 +194,6 @@ def point_stiffness(image: Image, settings: Settings, progress: Progress | None 
     """Stiffness of a sample by an implicit solve, along every axis; returns a PointStiffnessResult.
 
     image           as compression() takes it, and so are constants of walls
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     _check_points(settings)
     solve = run_on(image, vtkPointStiffness(), settings, progress)

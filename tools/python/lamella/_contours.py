@@ -261,7 +261,6 @@ def outline_diffusion(
     outlines        Contours, or a vtkPolyData like theirs
     picture         the picture that they were found in, whose pixels leave an error. None: the one that they remember;
                     False: they are taken as they are
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     solver = vtkOutlineDiffusion()
     solver.SetInputData(getattr(outlines, "vtk", outlines))

@@ -71,7 +71,6 @@ def read(path: Path, settings: Settings, progress: Progress | None = None) -> vt
     an image takes what this returns.
 
     path            a file, a folder or pattern of slices (slice_%04d.png), a .pvd, or a pattern of steps (step_*.vti)
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     converter = _converter(path, settings)
     _run(converter, progress)

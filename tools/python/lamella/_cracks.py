@@ -141,7 +141,6 @@ def crack_path(
     broken          a FractureResult, or vtkPolyData: points at the middles of broken bonds, with the array ``bond``
     phases          a Sample, image or array of whole numbers on their lattice; with it voids and fragments are known.
                     None: the image of the FractureResult
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     path = vtkCrackPath()
     if phases is None and hasattr(broken, "vtk_broken"):

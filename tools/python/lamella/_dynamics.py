@@ -122,7 +122,6 @@ def dynamics(
     tractions       {side: vector}: force on the area of a side [Pa]
     boxes           ((low corner, high corner, vector), ...): nodes between two corners [m] keep a velocity
     velocity        of all that is free, at the start [m/s]: a vector, or one for each node in the order of pictures
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     on_step         called as on_step(state) with each state that the run comes to, as ``states`` has them; memory then holds
                     one at a time, and the result has the last one only
 

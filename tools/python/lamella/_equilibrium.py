@@ -72,7 +72,6 @@ def equilibrium(image: Image, settings: Settings, progress: Progress | None = No
     """Loads a sample of bonded nodes and returns an EquilibriumResult.
 
     image           a Sample, a vtkImageData with the point array ``phase`` (and ``grain``), or an array of whole numbers
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
 
     Pairs are keys: a phase ("grain": bonds within it), two phases ("matrix-grain" or ("matrix", "grain")), or one phase
     twice ("grain-grain": bonds between two different grains; the image needs the array ``grain``). A notch is ((x1, y1), (x2,
@@ -102,7 +101,6 @@ def bond_stress(image: Image, settings: Settings, progress: Progress | None = No
     """Stress of every node from its displacement and its bonds; returns a BondStressResult.
 
     image           an EquilibriumResult, or an image with the point arrays ``phase`` and ``displacement`` (metres)
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
 
     Without ``young`` the model is that with which the image was solved; else the bonds are those of equilibrium().
     """

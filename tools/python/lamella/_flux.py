@@ -52,7 +52,6 @@ def flux_map(result: Image, settings: Settings, progress: Progress | None = None
     """Magnitude, streamlines and effective numbers.
 
     result          a DiffusionResult, or an image like it
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     flux = run_on(result, vtkFluxMap(), settings, progress)
     return FluxMapResult(flux.GetOutput(), flux.GetStreamlines())

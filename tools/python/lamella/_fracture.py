@@ -80,7 +80,6 @@ def fracture(image: Image, settings: Settings, progress: Progress | None = None,
 
     image           as equilibrium() takes it, and so are pairs; those that are given no toughness, fracture energy or
                     critical stretch never break
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     on_step         called as on_step(state) with each state that the run comes to, as ``states`` has them; memory then holds
                     one at a time, and the result has the last one only
 

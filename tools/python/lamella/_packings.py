@@ -139,7 +139,6 @@ class Packing(_arrays.FieldData):
 def packing(settings: Settings, progress: Progress | None = None, on_step: OnStep | None = None) -> Packing:
     """Presses grains together until they are at rest and returns a Packing.
 
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     on_step         called as on_step(state) with each state, a Packing; memory then holds one at a time, and ``states`` has the
                     end alone
     """
@@ -155,7 +154,6 @@ def packing(settings: Settings, progress: Progress | None = None, on_step: OnSte
 def packings(settings: Settings, progress: Progress | None = None, on_step: OnStep | None = None) -> list[Packing]:
     """Presses several packings, one of each seed, ``threads`` at once, and returns them: the same as one by one.
 
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     on_step         called as on_step(packing) with each of them once all are made; the list then has the last one only
     """
     source = vtkGrainPacking()

@@ -56,7 +56,6 @@ def pore_flood_fill(sample: Image, settings: Settings, progress: Progress | None
     """Labels the connected pores of one phase of a Sample, an array of whole numbers or an image.
 
     sample          a Sample, an array of whole numbers or an image
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     fill = run_on(sample, vtkPoreFloodFill(), settings, progress)
     return PoreFloodFillResult(fill.GetOutput(), fill.GetPores(), fill.GetSizeDistribution())

@@ -15,6 +15,8 @@ from ._declared import BASES, CLASSES, WITHOUT
 from ._errors import ParameterError, entries, last_failure, number
 from .vtkLamellaSolversVTK import vtkSampleAlgorithm
 
+_PROGRESS = "progress        called as progress(share, text); return False to cancel (raises Cancelled)"
+
 Setting = collections.namedtuple("Setting", "keyword setter kind types default words columns word hint lines when rest flat")
 
 
@@ -223,8 +225,10 @@ def declared(kind, first=(), without=(), defaults=None, formerly=None, choice=No
             return function(settings=Settings({**table, **{name: whole[name] for name in fixed}}, values), **mine)
 
         call.__signature__ = signature
-        shown = [*first, *(name for name in table if name not in first)]
-        call.__doc__ = (function.__doc__ or "").rstrip() + "\n\n" + "\n".join("    " + line for name in shown for line in table[name].lines) + "\n    "
+        told = function.__doc__ or ""
+        lines = [_PROGRESS] if "progress" in own.parameters and "\n    progress " not in told else []
+        lines += [line for name in [*first, *(name for name in table if name not in first)] for line in table[name].lines]
+        call.__doc__ = told.rstrip() + "\n\n" + "\n".join("    " + line for line in lines) + "\n    "
         return call
 
     return decorate

@@ -98,7 +98,6 @@ def diffusion(image: Image, settings: Settings, progress: Progress | None = None
 
     image           a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers; with ``shares`` or
                     ``interpolate`` an array of greys of any type
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
 
     What is not asked for, field or flux, is not computed. A conductivity may be (along, across) where it differs along the
     wall, whose direction is the point array ``axis`` of a lattice from outlines.

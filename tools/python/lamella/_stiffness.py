@@ -77,7 +77,6 @@ def stiffness(image: Image, settings: Settings, progress: Progress | None = None
     """Effective stiffness tensor of a sample by elements, with its error; returns a StiffnessResult.
 
     image           a picture, volume or result with phases, as equilibrium() takes it
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
 
     With mean_strain, mean_stress or change also the displacement, strain and stress under that load.
     """

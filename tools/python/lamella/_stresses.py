@@ -75,7 +75,6 @@ def stress_pdf(
 
     data            a result of ``lamella.equilibrium``, or any vtkDataSet with stresses
     array, phase_array, cells   where stresses and phases are, and whether at cells
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     """
     pdf = vtkStressPDF()
     if isinstance(data, ImageBase):

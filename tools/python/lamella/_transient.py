@@ -80,7 +80,6 @@ def transient(
     """Steps diffusion through time by lattice Boltzmann and returns a TransientResult.
 
     image           a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers
-    progress        called as progress(share, text); return False to cancel (raises Cancelled)
     on_step         called as on_step(state) with the TransientState of each time; memory then holds one at a time, and the
                     result has the last one only
     """
