@@ -64,16 +64,17 @@ double largestOf(const StiffnessError& e, std::span<const double> stiffness, std
 } // namespace
 
 StiffnessError sharedStiffnessError(std::span<const double> stiffness, std::span<const double> coarse,
-  std::span<const double> coarser, int dimension, double zero)
+  std::span<const double> coarser, int dimension, double zero, double mixed)
 {
   const std::size_t n = dimension == 3 ? 6 : 3;
+  const double longer = 1 + 8 * std::max(0.0, mixed - 0.25);
   StiffnessError e;
   for (std::size_t i = 0; i < n * n; ++i)
   {
     const SpacingError error =
       spacingError(stiffness[i], coarse[i], coarser.empty() ? std::nullopt : std::optional(coarser[i]));
     e.extrapolated.push_back(error.extrapolated);
-    e.components.push_back(error.bar);
+    e.components.push_back(longer * error.bar);
   }
   e.relative = largestOf(e, stiffness, n, zero);
   const auto values = [&](std::span<const double> tensor)
@@ -86,7 +87,7 @@ StiffnessError sharedStiffnessError(std::span<const double> stiffness, std::span
     const bool known =
       std::isfinite(own[c]) && std::isfinite(larger[c]) && (largest.empty() || std::isfinite(largest[c]));
     e.ofConstants.push_back(known
-        ? spacingError(own[c], larger[c], largest.empty() ? std::nullopt : std::optional(largest[c])).bar
+        ? longer * spacingError(own[c], larger[c], largest.empty() ? std::nullopt : std::optional(largest[c])).bar
         : std::numeric_limits<double>::quiet_NaN());
   }
   keepLimit(e, dimension, zero);

@@ -67,7 +67,11 @@ struct StiffnessErrorRule
 /// The same of voxels that phases share, from those of twice and of four times the spacing over the same box
 /// (lattice/SpacingError.h).
 /// @param coarser may be empty
+/// @param mixed   part of the voxels that hold some of both phases: where surfaces lie so close that these are more
+/// than
+///   a quarter, errors hardly fall from spacing to spacing, and bars are 1 + 8 (mixed − 1/4) times as long
+///   (docs/benchmarks/elements.md)
 [[nodiscard]] StiffnessError sharedStiffnessError(std::span<const double> stiffness, std::span<const double> coarse,
-  std::span<const double> coarser, int dimension, double zero);
+  std::span<const double> coarser, int dimension, double zero, double mixed);
 
 } // namespace lamella::elasticity

@@ -50,8 +50,7 @@
  * @sa vtkBondStiffness, vtkPointStiffness, vtkStressPDF
  */
 
-#ifndef vtkVoxelStiffness_h
-#define vtkVoxelStiffness_h
+#pragma once
 
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 #include "vtkSampleAlgorithm.h"
@@ -344,8 +343,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-  vtkVoxelStiffness(const vtkVoxelStiffness&) = delete;
-  void operator=(const vtkVoxelStiffness&) = delete;
 
   struct Internals;
   void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
@@ -353,5 +350,3 @@ private:
   std::unique_ptr<Internals> Internal;
   double EstimatedError;
 };
-
-#endif
