@@ -1,6 +1,7 @@
 // Stiffness by elements through VTK's pipeline: numbers and tables are the solver's; fields of a load; materials as
 // people say them; on distributed images all is that of one rank; what is refused.
 #include "OnRanks.h"
+#include "StiffnessSample.h"
 #include "VtkTesting.h"
 
 #include "elasticity/VoxelStiffness.h"
@@ -25,7 +26,7 @@ namespace
 
 using namespace lamella;
 using vtktest::errorOf;
-using vtktest::picture;
+using vtktest::layersWithAHole;
 namespace el = lamella::elasticity;
 
 class VoxelStiffness : public vtktest::OnRanks
@@ -37,19 +38,6 @@ protected:
     vtkOutputWindow::GetInstance()->SetDisplayModeToNever(); // warnings of seams
   }
 };
-
-/// Layers along the diagonal of two phases, b and c, with a hole of a.
-int phaseAt(int x, int y, int z)
-{
-  return (x - 9) * (x - 9) + (y - 14) * (y - 14) + (z - 4) * (z - 4) < 30 ? 0 : (x + y) % 8 < 4 ? 1 : 2;
-}
-
-vtkSmartPointer<vtkImageData> sample(int nz = 1)
-{
-  const auto image = picture(nz > 1 ? 16 : 24, nz > 1 ? 20 : 32, nz, phaseAt, 1e-5);
-  setFieldTexts(image, "phase_names", std::vector<std::string>{ "void", "wall", "lamella" });
-  return image;
-}
 
 void configure(vtkVoxelStiffness* filter)
 {
@@ -71,7 +59,7 @@ TEST_F(VoxelStiffness, IsTheSolver)
   for (const int nz : { 1, 8 })
   {
     SCOPED_TRACE(nz);
-    const auto image = sample(nz);
+    const auto image = layersWithAHole(nz);
     vtkNew<vtkVoxelStiffness> filter;
     configure(filter);
     filter->SetInputData(image);
@@ -119,6 +107,30 @@ TEST_F(VoxelStiffness, IsTheSolver)
         found = modulus->GetTuple1(i);
       }
     EXPECT_NEAR(found, r.constants.youngsModulus[0], (d == 2 ? 1e-6 : 1e-2) * found);
+    // what is least and most over all directions is so of those of the shape, and has its place
+    const std::vector<double> extremes = fieldNumbers(output, "extremes");
+    ASSERT_EQ(extremes.size(), 6U);
+    EXPECT_EQ(fieldNumbers(output, "extreme_directions").size(), 18U);
+    EXPECT_EQ(fieldNumbers(output, "extreme_across").size(), 18U);
+    const auto rangeOf = [&](const std::string& least, const std::string& most)
+    {
+      vtkDataArray* const low = directions->GetPointData()->GetArray(least.c_str());
+      vtkDataArray* const high = directions->GetPointData()->GetArray(most.c_str());
+      EXPECT_EQ(description(low)[0], least.starts_with("poisson") ? "1" : "Pa");
+      return std::array{ low->GetRange()[0], high->GetRange()[1] };
+    };
+    const std::array<std::array<double, 2>, 3> shown{ rangeOf("youngs_modulus", "youngs_modulus"),
+      rangeOf(d == 3 ? "shear_modulus_least" : "shear_modulus", d == 3 ? "shear_modulus_most" : "shear_modulus"),
+      rangeOf(d == 3 ? "poissons_ratio_least" : "poissons_ratio", d == 3 ? "poissons_ratio_most" : "poissons_ratio") };
+    for (std::size_t k = 0; k < 3; ++k)
+    {
+      // directions of the shape are 1° and 4° apart; constants that vary threefold change by less than 1 % over half
+      const double most = std::abs(shown[k][1]);
+      EXPECT_NEAR(extremes[2 * k], shown[k][0], 0.01 * most) << k;
+      EXPECT_NEAR(extremes[2 * k + 1], shown[k][1], 0.01 * most) << k;
+      EXPECT_LE(extremes[2 * k], shown[k][0] + 1e-6 * most) << k;
+      EXPECT_GE(extremes[2 * k + 1], shown[k][1] - 1e-6 * most) << k;
+    }
     EXPECT_EQ(fieldNumbers(output, "hashin_shtrikman").size(), 4U);
     EXPECT_EQ(fieldNumbers(output, "hashin_shtrikman")[0], 0); // there is a void
   }
@@ -129,7 +141,7 @@ TEST_F(VoxelStiffness, StressesOfALoad)
   for (const int nz : { 1, 8 })
   {
     SCOPED_TRACE(nz);
-    const auto image = sample(nz);
+    const auto image = layersWithAHole(nz);
     vtkNew<vtkVoxelStiffness> filter;
     configure(filter);
     filter->EstimateErrorOff();
@@ -171,7 +183,7 @@ TEST_F(VoxelStiffness, StressesOfALoad)
 TEST_F(VoxelStiffness, MaterialsAsPeopleSayThem)
 {
   // a cubic tensor by its three numbers is the isotropic one that it stands for
-  const auto image = sample(8);
+  const auto image = layersWithAHole(8);
   vtkNew<vtkVoxelStiffness> filter;
   configure(filter);
   filter->EstimateErrorOff();
@@ -195,7 +207,7 @@ TEST_F(VoxelStiffness, MaterialsAsPeopleSayThem)
   EXPECT_EQ(fieldNumbers(filter->GetImage(), "hashin_shtrikman").size(), 0U);
 
   // rigid: stiffer than a void; expansion of one phase
-  const auto plane = sample();
+  const auto plane = layersWithAHole();
   vtkNew<vtkVoxelStiffness> stiff;
   configure(stiff);
   stiff->EstimateErrorOff();
@@ -243,7 +255,7 @@ TEST_F(VoxelStiffness, MaterialsAsPeopleSayThem)
 
 TEST_F(VoxelStiffness, ExpandsByAField)
 {
-  const auto image = sample();
+  const auto image = layersWithAHole();
   vtkNew<vtkFloatArray> temperature;
   temperature->SetName("temperature");
   for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
@@ -274,7 +286,7 @@ TEST_F(VoxelStiffness, WhatIsRefused)
     [](const std::function<void(vtkVoxelStiffness*, vtkImageData*)>& change, const char* message, int failure)
   {
     SCOPED_TRACE(message);
-    const auto image = sample();
+    const auto image = layersWithAHole();
     vtkNew<vtkVoxelStiffness> filter;
     configure(filter);
     filter->SetInputData(image);
@@ -341,7 +353,7 @@ TEST_F(VoxelStiffness, RanksChangeNothing)
 {
   for (const int nz : { 1, 8 })
   {
-    const auto image = sample(nz);
+    const auto image = layersWithAHole(nz);
     const auto load = [](vtkVoxelStiffness* filter)
     {
       configure(filter);

@@ -21,8 +21,9 @@
  * **Output 2**, constants: one row each: `constant` (E_x, …, nu_xy, …, G_xy: those under stress along one direction,
  * from the inverse), `value`, `extrapolated`, `error`, `unit` (Pa or 1).
  * **Output 3**, directions: vtkPolyData, of volumes a closed surface and of pictures a closed line whose distance from
- * the origin is Young's modulus in that direction over the largest, with point arrays `youngs_modulus` [Pa] and
- * `direction`.
+ * the origin is Young's modulus in that direction over the largest, with point arrays `direction`, `youngs_modulus`
+ * [Pa] and, of all directions across it, `shear_modulus_least`, `shear_modulus_most` [Pa], `poissons_ratio_least` and
+ * `poissons_ratio_most`; of pictures, where there is one across, `shear_modulus` and `poissons_ratio`.
  *
  * **Field data** of all outputs:
  * - `stiffness`, `stiffness_extrapolated`, `stiffness_error`, `stiffness_voigt`, `stiffness_reuss`: 9 or 36 numbers by
@@ -34,6 +35,8 @@
  * - `isotropic_part`: bulk and shear modulus, Young's modulus [Pa], Poisson's ratio, and the share of the tensor's norm
  *   that is left; `orthotropic_part`: the same tensor's part in the axes in which it leaves least, by rows,
  *   `orthotropic_axes`: these, 9 numbers, one axis after the other, `orthotropic_rest`: the share left
+ * - `extremes`: Young's modulus, shear modulus [Pa] and Poisson's ratio over all directions, of each the least and the
+ *   most; `extreme_directions`, `extreme_across`: where, three numbers of each
  * - `hashin_shtrikman`: bulk modulus, lower and upper, shear modulus, lower and upper [Pa], of isotropic mixtures;
  * where all phases are isotropic
  * - `expansion`: mean strain of the free box for a change of 1, Voigt's order; where some phase expands
