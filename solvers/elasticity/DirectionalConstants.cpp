@@ -203,8 +203,7 @@ DirectionalConstants::Along DirectionalConstants::at(const std::array<double, 3>
   if (all)
     a.values.shear = { inverse(yielding.eigenvalues()(1)), inverse(yielding.eigenvalues()(0)) };
   else // the least is none; the most is that of the one direction that something resists
-    a.values.shear = { 0.0,
-      losses.eigenvalues()(0) < unresisted ? inverse(way.col(0).dot(slides * way.col(0))) : 0.0 };
+    a.values.shear = { 0.0, losses.eigenvalues()(0) < unresisted ? inverse(way.col(0).dot(slides * way.col(0))) : 0.0 };
   return a;
 }
 
@@ -264,7 +263,7 @@ ConstantExtremes DirectionalConstants::extremes() const
           for (int j = d == 3 ? -1 : 0; j <= (d == 3 ? 1 : 0); ++j)
             if (i != 0 || j != 0)
               if (Along tried = here((a.along + step * (i * one + j * other)).normalized());
-                height(tried) > height(next))
+                  height(tried) > height(next))
                 next = tried;
         if (height(next) - before > Search::rounding * scale)
           a = next;

@@ -33,8 +33,8 @@ struct ConstantExtremes
 
 /// Of the inverse of a stiffness: E(n) = 1/(n n : S : n n), ν(n, m) = −E(n) m m : S : n n, 1/G(n, m) = 4 n m : S : n m;
 /// the last two are quadratic forms of m, whose least and most across n are eigenvalues (Ting & Chen, Q. J. Mech. Appl.
-/// Math. 58 (2005) 73, on how far ν may go). Moduli are 0 where nothing resists; ratios are NaN where some strain is not
-/// resisted at all.
+/// Math. 58 (2005) 73, on how far ν may go). Moduli are 0 where nothing resists; ratios are NaN where some strain is
+/// not resisted at all.
 class DirectionalConstants
 {
 public:

@@ -32,6 +32,17 @@ class Stiffness(Case):
         strain = self.works(*STONE, "--plane", "plane-strain", "--json").json()
         self.assertAlmostEqual(strain["constants"]["E_x"]["value"] / (2e9 / (1 - 0.09)), 1, places=9)
 
+    def test_a_picture_takes_tensors_of_space(self):
+        # E 2, nu 0.3: C12 = E nu / (1 + nu)(1 - 2 nu), C44 = E / 2(1 + nu), C11 = C12 + 2 C44
+        c12, c44 = 0.6e9 / 0.52, 2e9 / 2.6
+        words = ["stiffness", "stone.png", "--phase", "255=stone", "--stiffness", f"stone={c12 + 2 * c44} {c12} {c44}", "--json"]
+        found = self.works(*words).json()
+        self.assertAlmostEqual(found["constants"]["E_x"]["value"] / 2e9, 1, places=9)
+        strain = self.works(*words, "--plane", "plane-strain", "--expansion", "stone=1e-4").json()
+        self.assertAlmostEqual(strain["constants"]["E_x"]["value"] / (2e9 / 0.91), 1, places=9)
+        self.assertAlmostEqual(strain["expansion"][0] / 1.3e-4, 1, places=6)  # 1 + nu: the third direction is not let
+        self.fails(2, "2 numbers for the stiffness of 'stone'", "21, 9 or 3", *words[:4], "--stiffness", "stone=1 2")
+
     def test_layers(self):
         found = self.works(*LAYERS, "--json").json()
         # without Poisson's effect: in parallel 2.5e9, in series 1.6e9, shear in series

@@ -90,8 +90,8 @@ TEST(DirectionalConstants, AreACubicCrystals)
   const double s12 = s(1);
   const double s44 = 1 / 75.4;
   const double j = s11 - s12 - s44 / 2;
-  const PhaseStiffness crystal{ 168.4, 121.4, 121.4, 0, 0, 0, 168.4, 121.4, 0, 0, 0, 168.4, 0, 0, 0, 75.4, 0, 0, 75.4, 0,
-    75.4 };
+  const PhaseStiffness crystal{ 168.4, 121.4, 121.4, 0, 0, 0, 168.4, 121.4, 0, 0, 0, 168.4, 0, 0, 0, 75.4, 0, 0, 75.4,
+    0, 75.4 };
   const std::vector<double> c = rowsOf(3, crystal);
   const DirectionalConstants constants(c, 3);
   const double e110 = 1 / (s11 - j / 2);
@@ -130,9 +130,9 @@ TEST(DirectionalConstants, AreACubicCrystals)
 }
 
 // A material that is the same across its axis has by the angle t between them, with c = cos t and s = sin t:
-// 1/E = c⁴/E_L + s⁴/E_T + (1/G − 2 ν/E_L) s² c²; across to the plane of axis and direction −ν/E = −ν c²/E_L − ν_T s²/E_T,
-// in it (1/E_L + 1/E_T − 1/G) s² c² − ν/E_L (s⁴ + c⁴); 1/G across to that plane c²/G + s² 2 (1 + ν_T)/E_T, in it
-// 1/G + 4 (1/E_L + 1/E_T + 2 ν/E_L − 1/G) s² c². Turned anyhow.
+// 1/E = c⁴/E_L + s⁴/E_T + (1/G − 2 ν/E_L) s² c²; across to the plane of axis and direction −ν/E = −ν c²/E_L − ν_T
+// s²/E_T, in it (1/E_L + 1/E_T − 1/G) s² c² − ν/E_L (s⁴ + c⁴); 1/G across to that plane c²/G + s² 2 (1 + ν_T)/E_T, in
+// it 1/G + 4 (1/E_L + 1/E_T + 2 ν/E_L − 1/G) s² c². Turned anyhow.
 TEST(DirectionalConstants, AreThoseOfAWood)
 {
   const TransverseMaterial wood{ 12, 0.8, 0.4, 0.5, 0.7 };

@@ -10,8 +10,8 @@ namespace lamella
 {
 
 /// A closed surface, of a picture a closed line, as far from the origin as Young's modulus over the largest. Point
-/// arrays `direction`, `youngs_modulus`, and of all directions across each the least and the most: `shear_modulus_least`
-/// …; in the plane, which has one, `shear_modulus` and `poissons_ratio`.
+/// arrays `direction`, `youngs_modulus`, and of all directions across each the least and the most:
+/// `shear_modulus_least` …; in the plane, which has one, `shear_modulus` and `poissons_ratio`.
 /// @param stiffness by rows, Voigt's order [Pa]
 void fillDirections(vtkPolyData* data, std::span<const double> stiffness, int dimension);
 

@@ -422,9 +422,10 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
           if (this->ComputeStress)
             fields.stress[6 * at + c] = static_cast<float>(stress[order[c]][i]);
         }
-        if (dimension == 2 && this->ComputeStress)
-          fields.stress[6 * at + 2] = static_cast<float>(materials->outOfPlane(phase[at], stress[0][i], stress[1][i],
-            stress[2][i], axis.empty() ? std::array<float, 3>{ 1, 0, 0 } : axis[at],
+        const bool strained = this->Plane == PLANE_STRAIN; // the strain across is 0, else the stress is
+        if (dimension == 2 && (strained ? this->ComputeStress : this->ComputeStrain))
+          (strained ? fields.stress : fields.strain)[6 * at + 2] = static_cast<float>(materials->acrossPlane(phase[at],
+            stress[0][i], stress[1][i], stress[2][i], axis.empty() ? std::array<float, 3>{ 1, 0, 0 } : axis[at],
             this->Change * (source.empty() ? 1.0 : static_cast<double>(source[at]))));
       }
     };

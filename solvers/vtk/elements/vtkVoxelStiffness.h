@@ -15,7 +15,9 @@
  *
  * **Output 0**: the input, with the numbers as field data; of a load also, as floats,
  * - `displacement` [m], 3 components, from the image's middle; `stress` [Pa] and `strain` (tensor components) with six,
- *   XX, YY, ZZ, XY, YZ, XZ; all are means over the point's element, 0 in voids
+ *   XX, YY, ZZ, XY, YZ, XZ; all are means over the point's element, 0 in voids. Across a picture's plane ZZ of the
+ *   strain in plane stress, of the stress in plane strain: NaN of a tensor of the plane alone and of points that two
+ *   solids share
  * **Output 1**, tensor: one row a stress: `stress` (its name), then for each strain `xx` … [Pa], `extrapolated_xx` …,
  * `error_xx` … (NaN where they are not known).
  * **Output 2**, constants: one row each: `constant` (E_x, …, nu_xy, …, G_xy: those under stress along one direction,
@@ -141,7 +143,8 @@ public:
   /**
    * Of phases with any tensor: its numbers [Pa], with spaces between them, along the image's axes, in Voigt's order xx,
    * yy, zz, yz, xz, xy: the 21 of the upper triangle by rows, or of an orthotropic one C11 C12 C13 C22 C23 C33 C44 C55
-   * C66, or of a cubic one C11 C12 C44. Of pictures 6, those of the plane itself, or C11 C12 C22 C66.
+   * C66, or of a cubic one C11 C12 C44. Of pictures these too, or 6 of the plane itself, or C11 C12 C22
+   * C66.
    * @title Stiffness of phases by its numbers [Pa]
    * @group Materials
    * @columns Phase, Numbers
