@@ -18,9 +18,6 @@ namespace
 
 constexpr const char* axes = "xyz";
 
-/// A unit stress with at least this share of its square along strains that nothing resists, is not resisted.
-constexpr double noticed = 1e-6;
-
 } // namespace
 
 std::vector<std::string> voigtNames(int dimension)
@@ -87,7 +84,7 @@ ElasticConstants elasticConstants(std::span<const double> stiffness, int dimensi
     else
       lost += v.col(k).cwiseAbs2();
   }
-  const auto resists = [&](int a) { return lost(a) < noticed; };
+  const auto resists = [&](int a) { return lost(a) < unresisted; };
   for (int a = 0; a < n; ++a)
   {
     const double modulus = resists(a) ? 1 / (weight(a) * weight(a) * compliance(a, a)) : 0;

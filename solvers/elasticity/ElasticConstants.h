@@ -23,6 +23,9 @@ struct ElasticConstants
   int resisting = 0; ///< how many of them are above zero
 };
 
+/// A unit stress with at least this share of its square along strains that nothing resists, is not resisted.
+inline constexpr double unresisted = 1e-6;
+
 /// Names of the constants, in the order of constantValues(): E_x …, nu_xy …, G_xy.
 [[nodiscard]] std::vector<std::string> constantNames(int dimension);
 [[nodiscard]] std::vector<double> constantValues(const ElasticConstants& constants);

@@ -158,4 +158,41 @@ std::array<double, 2> planeExpansion(
   return { along + m.poissonAlong * m.youngAcross / m.youngAlong * across, (1 + m.poissonAcross) * across };
 }
 
+AcrossPlane acrossPlane(Continuum continuum, const TransverseMaterial& m, const std::array<double, 2>& expansion)
+{
+  const double along = m.poissonAlong / m.youngAlong;
+  const double across = m.poissonAcross / m.youngAcross;
+  if (continuum == Continuum::PlaneStress)
+    return { { -along, -across, 0 }, expansion[1] };
+  // strain zz = 0 = −ν σ_along/E_along − ν' σ_across/E_across + σ_zz/E_across + expansion
+  return { { along * m.youngAcross, across * m.youngAcross, 0 }, -m.youngAcross * expansion[1] };
+}
+
+AcrossPlane acrossPlane(Continuum continuum, const PhaseStiffness& space, double expansion)
+{
+  const Eigen::MatrixXd c = matrixOf(space, 6);
+  const std::array<Eigen::Index, 3> in{ 0, 1, 5 };
+  const Eigen::Index zz = 2;
+  if (continuum == Continuum::PlaneStress)
+  {
+    const Eigen::MatrixXd s = c.inverse();
+    return { { s(zz, 0), s(zz, 1), s(zz, 5) }, expansion };
+  }
+  const Eigen::RowVector3d by = c(zz, in) * c(in, in).inverse();
+  return { { by(0), by(1), by(2) }, (by.dot(c(in, zz).col(0)) - c(zz, zz)) * expansion };
+}
+
+std::array<double, 3> planeExpansion(Continuum continuum, const PhaseStiffness& space, double expansion)
+{
+  std::array<double, 3> free{ expansion, expansion, 0 };
+  if (continuum != Continuum::PlaneStrain)
+    return free;
+  const Eigen::MatrixXd c = matrixOf(space, 6);
+  const std::array<Eigen::Index, 3> in{ 0, 1, 5 };
+  const Eigen::Vector3d more = c(in, in).inverse() * c(in, Eigen::Index{ 2 });
+  for (std::size_t k = 0; k < 3; ++k)
+    free[k] += expansion * more(static_cast<Eigen::Index>(k));
+  return free;
+}
+
 } // namespace lamella::elasticity

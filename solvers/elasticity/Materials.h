@@ -59,6 +59,26 @@ struct TransverseMaterial
 [[nodiscard]] std::array<double, 2> planeExpansion(
   Continuum continuum, const TransverseMaterial& material, const std::array<double, 2>& expansion);
 
+/// What happens across a plane, by the stresses within it and by a change of 1 of temperature or moisture: in plane
+/// stress the strain zz, in plane strain the stress zz.
+struct AcrossPlane
+{
+  std::array<double, 3> byStress{}; ///< of xx, yy, xy; of a material with an axis along it, across it, 0 [1/Pa; 1]
+  double byChange = 0;              ///< [1; Pa]
+};
+
+/// @param expansion of it along its axis and across it
+[[nodiscard]] AcrossPlane acrossPlane(
+  Continuum continuum, const TransverseMaterial& material, const std::array<double, 2>& expansion);
+
+/// Of a tensor in space, which expands by the same in all directions.
+/// @param space 21 numbers
+[[nodiscard]] AcrossPlane acrossPlane(Continuum continuum, const PhaseStiffness& space, double expansion);
+
+/// Expansion in the plane, Voigt's order, of a tensor in space that expands by the same in all directions: in plane
+/// strain more of it, since the third direction is not let.
+[[nodiscard]] std::array<double, 3> planeExpansion(Continuum continuum, const PhaseStiffness& space, double expansion);
+
 /// @param space 21 numbers: what a plane of that material has in plane stress or plane strain
 [[nodiscard]] PhaseStiffness inPlane(Continuum continuum, const PhaseStiffness& space);
 

@@ -13,9 +13,6 @@ namespace lamella::elasticity
 namespace
 {
 
-// A stress along a direction with at least this share of its square along strains that nothing resists, is not
-// resisted, as in elasticConstants().
-constexpr double noticed = 1e-6;
 constexpr double finest = 1e-7; // of angles between axes
 
 // Kelvin's form, shears times √2: products and norms are those of the tensor.
@@ -159,38 +156,6 @@ OrthotropicPart nearestOrthotropic(std::span<const double> stiffness, int d)
       part.axes[static_cast<std::size_t>(a)][static_cast<std::size_t>(i)] =
         a < d && i < d ? named(i, a) : (a == i ? 1.0 : 0.0);
   return part;
-}
-
-DirectionalModulus::DirectionalModulus(std::span<const double> stiffness, int dimension, double zero)
-  : dimension_(dimension)
-{
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(kelvin(stiffness, dimension));
-  const Eigen::VectorXd& values = modes.eigenvalues();
-  const Eigen::MatrixXd& v = modes.eigenvectors();
-  const double least = zero * std::max(values.maxCoeff(), 0.0);
-  Eigen::MatrixXd compliance = Eigen::MatrixXd::Zero(v.rows(), v.cols());
-  Eigen::MatrixXd lost = compliance;
-  for (Eigen::Index k = 0; k < values.size(); ++k)
-    (values(k) > least ? compliance : lost) +=
-      v.col(k) * v.col(k).transpose() * (values(k) > least ? 1 / values(k) : 1.0);
-  compliance_.assign(compliance.data(), compliance.data() + compliance.size());
-  lost_.assign(lost.data(), lost.data() + lost.size());
-}
-
-double DirectionalModulus::operator()(const std::array<double, 3>& direction) const
-{
-  const int d = dimension_;
-  const int n = voigtSize(d);
-  Eigen::VectorXd way = Eigen::Map<const Eigen::Vector3d>(direction.data()).head(d);
-  way.normalize();
-  Eigen::VectorXd stress(n);
-  for (int i = 0; i < d; ++i)
-    for (int j = i; j < d; ++j)
-      stress(voigt(d, i, j)) = (i == j ? 1 : std::numbers::sqrt2) * way(i) * way(j);
-  const Eigen::Map<const Eigen::MatrixXd> compliance(compliance_.data(), n, n);
-  const Eigen::Map<const Eigen::MatrixXd> lost(lost_.data(), n, n);
-  const double yields = stress.dot(compliance * stress);
-  return stress.dot(lost * stress) < noticed && yields > 0 ? 1 / yields : 0.0;
 }
 
 IsotropicBounds hashinShtrikman(

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-/// What a stiffness tensor is nearest to, what it is along a direction, and what isotropic mixtures may have.
+/// What a stiffness tensor is nearest to, and what isotropic mixtures may have.
 namespace lamella::elasticity
 {
 
@@ -30,19 +30,6 @@ struct OrthotropicPart
 /// In the axes in which it leaves least, searched for from the eigenvectors of C_ijkk and C_ikjk (Cowin & Mehrabadi,
 /// J. Mech. Appl. Math. 40 (1987) 451) and from the box's axes.
 [[nodiscard]] OrthotropicPart nearestOrthotropic(std::span<const double> stiffness, int dimension);
-
-/// Young's modulus under stress along a direction of any length [Pa]; 0 where nothing resists.
-class DirectionalModulus
-{
-public:
-  DirectionalModulus(std::span<const double> stiffness, int dimension, double zero = 1e-9);
-  [[nodiscard]] double operator()(const std::array<double, 3>& direction) const;
-
-private:
-  int dimension_;
-  std::vector<double> compliance_;
-  std::vector<double> lost_; ///< projector on stresses of strains that nothing resists
-};
 
 struct IsotropicBounds
 {

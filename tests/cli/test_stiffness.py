@@ -32,6 +32,17 @@ class Stiffness(Case):
         strain = self.works(*STONE, "--plane", "plane-strain", "--json").json()
         self.assertAlmostEqual(strain["constants"]["E_x"]["value"] / (2e9 / (1 - 0.09)), 1, places=9)
 
+    def test_a_picture_takes_tensors_of_space(self):
+        # E 2, nu 0.3: C12 = E nu / (1 + nu)(1 - 2 nu), C44 = E / 2(1 + nu), C11 = C12 + 2 C44
+        c12, c44 = 0.6e9 / 0.52, 2e9 / 2.6
+        words = ["stiffness", "stone.png", "--phase", "255=stone", "--stiffness", f"stone={c12 + 2 * c44} {c12} {c44}", "--json"]
+        found = self.works(*words).json()
+        self.assertAlmostEqual(found["constants"]["E_x"]["value"] / 2e9, 1, places=9)
+        strain = self.works(*words, "--plane", "plane-strain", "--expansion", "stone=1e-4").json()
+        self.assertAlmostEqual(strain["constants"]["E_x"]["value"] / (2e9 / 0.91), 1, places=9)
+        self.assertAlmostEqual(strain["expansion"][0] / 1.3e-4, 1, places=6)  # 1 + nu: the third direction is not let
+        self.fails(2, "2 numbers for the stiffness of 'stone'", "21, 9 or 3", *words[:4], "--stiffness", "stone=1 2")
+
     def test_layers(self):
         found = self.works(*LAYERS, "--json").json()
         # without Poisson's effect: in parallel 2.5e9, in series 1.6e9, shear in series
@@ -40,6 +51,13 @@ class Stiffness(Case):
             self.assertLessEqual(abs(found["stiffness"][i][i] - exact), found["estimated_errors"][i][i] + 1e-6 * exact)
         self.assertEqual([round(step.get("every_pixel") or 1) for step in found["steps"]], [1, 2, 3, 4])
         self.assertLess(found["orthotropic"]["rest"], 1e-6)
+        # without Poisson's effect 1/E = c⁴/2.5 + s⁴/1.6 + s²c²/0.8: most along the layers; G has its most at 45°, 2 / (1/2.5 + 1/1.6) / 2
+        young, shear, poisson = (found["by_direction"][name] for name in ("young", "shear", "poisson"))
+        self.assertAlmostEqual(young["most"]["value"] / 2.5e9, 1, places=6)
+        self.assertEqual((young["most"]["direction"], len(shear["least"]["across"])), ([1, 0], 2))
+        self.assertAlmostEqual(shear["least"]["value"] / 0.8e9, 1, places=6)
+        self.assertAlmostEqual(shear["most"]["value"] / (1e9 / (1 / 2.5 + 1 / 1.6)), 1, places=6)
+        self.assertAlmostEqual(poisson["least"]["value"], 0, places=6)
 
     def test_loads(self):
         words = self.works(*LAYERS, "--mean-strain", "yy=0.01", "--mean-stress", "xx=0", "-o", "s.vti", "--json").json()
@@ -75,7 +93,7 @@ class Stiffness(Case):
     def test_table_and_files(self):
         text = self.works(*LAYERS, "--tensor", "c.csv", "--constants", "e.csv", "--directions", "d.vtp").out
         for words in ("stiffness [GPa]", "after ± its error", "E_x", "nu_yx", "G_xy", "extrapolated", "bounds of the diagonal", "Hashin",
-                      "nearest isotropic tensor", "wrote c.csv", "wrote e.csv", "wrote d.vtp"):
+                      "nearest isotropic tensor", "of all directions", "wrote c.csv", "wrote e.csv", "wrote d.vtp"):
             self.assertIn(words, text)
         with open(self.path("c.csv"), encoding="utf-8") as file:
             rows = list(csv.DictReader(file))

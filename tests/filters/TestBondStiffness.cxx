@@ -1,6 +1,7 @@
 // Effective stiffness through VTK's pipeline: numbers and tables are the solver's; on distributed images they are those
 // of one rank; what is refused.
 #include "BondTesting.h"
+#include "StiffnessSample.h"
 
 #include "core/Communicator.h"
 #include "peridynamics/StiffnessStudy.h"
@@ -22,26 +23,13 @@ namespace
 
 using namespace lamella;
 using vtktest::errorOf;
-using vtktest::picture;
+using vtktest::layersWithAHole;
 namespace el = lamella::elasticity;
 namespace pd = lamella::peridynamics;
 
 class BondStiffness : public vtktest::OnBonds
 {
 };
-
-/// Layers along the diagonal of two phases, b and c, with a hole of a.
-int phaseAt(int x, int y, int z)
-{
-  return (x - 9) * (x - 9) + (y - 14) * (y - 14) + (z - 4) * (z - 4) < 30 ? 0 : (x + y) % 8 < 4 ? 1 : 2;
-}
-
-vtkSmartPointer<vtkImageData> sample(int nz = 1)
-{
-  const auto image = picture(nz > 1 ? 16 : 24, nz > 1 ? 20 : 32, nz, phaseAt, 1e-5);
-  setFieldTexts(image, "phase_names", std::vector<std::string>{ "void", "wall", "lamella" });
-  return image;
-}
 
 void configure(vtkBondStiffness* filter)
 {
@@ -69,7 +57,7 @@ TEST_F(BondStiffness, IsTheSolver)
   for (const int nz : { 1, 8 })
   {
     SCOPED_TRACE(nz);
-    const auto image = sample(nz);
+    const auto image = layersWithAHole(nz);
     vtkNew<vtkBondStiffness> filter;
     configure(filter);
     filter->SetInputData(image);
@@ -128,7 +116,7 @@ TEST_F(BondStiffness, WithoutTheError)
 {
   vtkNew<vtkBondStiffness> filter;
   configure(filter);
-  filter->SetInputData(sample());
+  filter->SetInputData(layersWithAHole());
   filter->EstimateErrorOff();
   ASSERT_EQ(errorOf(filter), "");
   EXPECT_TRUE(std::isnan(filter->GetEstimatedError()));
@@ -141,7 +129,7 @@ TEST_F(BondStiffness, TablesCanBeAskedForAlone)
 {
   vtkNew<vtkBondStiffness> filter;
   configure(filter);
-  filter->SetInputData(sample());
+  filter->SetInputData(layersWithAHole());
   filter->Update(2);
   EXPECT_EQ(filter->GetConstants()->GetNumberOfRows(), 5);
 }
@@ -151,7 +139,7 @@ TEST_F(BondStiffness, WhatIsRefused)
   const auto fails =
     [](const std::function<void(vtkBondStiffness*, vtkImageData*)>& change, const char* message, int failure)
   {
-    const auto image = sample();
+    const auto image = layersWithAHole();
     vtkNew<vtkBondStiffness> filter;
     configure(filter);
     filter->SetInputData(image);
@@ -186,7 +174,7 @@ TEST_F(BondStiffness, RanksChangeNothing)
 {
   for (const int nz : { 1, 8 })
   {
-    const auto image = sample(nz);
+    const auto image = layersWithAHole(nz);
     vtkNew<vtkBondStiffness> alone;
     configure(alone);
     alone->SetTolerance(1e-11);

@@ -1,6 +1,7 @@
 // Stiffness by elements through VTK's pipeline: numbers and tables are the solver's; fields of a load; materials as
-// people say them; on distributed images all is that of one rank; what is refused.
+// people say them; what is across a picture's plane; on distributed images all is that of one rank; what is refused.
 #include "OnRanks.h"
+#include "StiffnessSample.h"
 #include "VtkTesting.h"
 
 #include "elasticity/VoxelStiffness.h"
@@ -25,6 +26,7 @@ namespace
 
 using namespace lamella;
 using vtktest::errorOf;
+using vtktest::layersWithAHole;
 using vtktest::picture;
 namespace el = lamella::elasticity;
 
@@ -37,19 +39,6 @@ protected:
     vtkOutputWindow::GetInstance()->SetDisplayModeToNever(); // warnings of seams
   }
 };
-
-/// Layers along the diagonal of two phases, b and c, with a hole of a.
-int phaseAt(int x, int y, int z)
-{
-  return (x - 9) * (x - 9) + (y - 14) * (y - 14) + (z - 4) * (z - 4) < 30 ? 0 : (x + y) % 8 < 4 ? 1 : 2;
-}
-
-vtkSmartPointer<vtkImageData> sample(int nz = 1)
-{
-  const auto image = picture(nz > 1 ? 16 : 24, nz > 1 ? 20 : 32, nz, phaseAt, 1e-5);
-  setFieldTexts(image, "phase_names", std::vector<std::string>{ "void", "wall", "lamella" });
-  return image;
-}
 
 void configure(vtkVoxelStiffness* filter)
 {
@@ -71,7 +60,7 @@ TEST_F(VoxelStiffness, IsTheSolver)
   for (const int nz : { 1, 8 })
   {
     SCOPED_TRACE(nz);
-    const auto image = sample(nz);
+    const auto image = layersWithAHole(nz);
     vtkNew<vtkVoxelStiffness> filter;
     configure(filter);
     filter->SetInputData(image);
@@ -119,6 +108,30 @@ TEST_F(VoxelStiffness, IsTheSolver)
         found = modulus->GetTuple1(i);
       }
     EXPECT_NEAR(found, r.constants.youngsModulus[0], (d == 2 ? 1e-6 : 1e-2) * found);
+    // what is least and most over all directions is so of those of the shape, and has its place
+    const std::vector<double> extremes = fieldNumbers(output, "extremes");
+    ASSERT_EQ(extremes.size(), 6U);
+    EXPECT_EQ(fieldNumbers(output, "extreme_directions").size(), 18U);
+    EXPECT_EQ(fieldNumbers(output, "extreme_across").size(), 18U);
+    const auto rangeOf = [&](const std::string& least, const std::string& most)
+    {
+      vtkDataArray* const low = directions->GetPointData()->GetArray(least.c_str());
+      vtkDataArray* const high = directions->GetPointData()->GetArray(most.c_str());
+      EXPECT_EQ(description(low)[0], least.starts_with("poisson") ? "1" : "Pa");
+      return std::array{ low->GetRange()[0], high->GetRange()[1] };
+    };
+    const std::array<std::array<double, 2>, 3> shown{ rangeOf("youngs_modulus", "youngs_modulus"),
+      rangeOf(d == 3 ? "shear_modulus_least" : "shear_modulus", d == 3 ? "shear_modulus_most" : "shear_modulus"),
+      rangeOf(d == 3 ? "poissons_ratio_least" : "poissons_ratio", d == 3 ? "poissons_ratio_most" : "poissons_ratio") };
+    for (std::size_t k = 0; k < 3; ++k)
+    {
+      // directions of the shape are 1° and 4° apart; constants that vary threefold change by less than 1 % over half
+      const double most = std::abs(shown[k][1]);
+      EXPECT_NEAR(extremes[2 * k], shown[k][0], 0.01 * most) << k;
+      EXPECT_NEAR(extremes[2 * k + 1], shown[k][1], 0.01 * most) << k;
+      EXPECT_LE(extremes[2 * k], shown[k][0] + 1e-6 * most) << k;
+      EXPECT_GE(extremes[2 * k + 1], shown[k][1] - 1e-6 * most) << k;
+    }
     EXPECT_EQ(fieldNumbers(output, "hashin_shtrikman").size(), 4U);
     EXPECT_EQ(fieldNumbers(output, "hashin_shtrikman")[0], 0); // there is a void
   }
@@ -129,7 +142,7 @@ TEST_F(VoxelStiffness, StressesOfALoad)
   for (const int nz : { 1, 8 })
   {
     SCOPED_TRACE(nz);
-    const auto image = sample(nz);
+    const auto image = layersWithAHole(nz);
     vtkNew<vtkVoxelStiffness> filter;
     configure(filter);
     filter->EstimateErrorOff();
@@ -171,7 +184,7 @@ TEST_F(VoxelStiffness, StressesOfALoad)
 TEST_F(VoxelStiffness, MaterialsAsPeopleSayThem)
 {
   // a cubic tensor by its three numbers is the isotropic one that it stands for
-  const auto image = sample(8);
+  const auto image = layersWithAHole(8);
   vtkNew<vtkVoxelStiffness> filter;
   configure(filter);
   filter->EstimateErrorOff();
@@ -195,7 +208,7 @@ TEST_F(VoxelStiffness, MaterialsAsPeopleSayThem)
   EXPECT_EQ(fieldNumbers(filter->GetImage(), "hashin_shtrikman").size(), 0U);
 
   // rigid: stiffer than a void; expansion of one phase
-  const auto plane = sample();
+  const auto plane = layersWithAHole();
   vtkNew<vtkVoxelStiffness> stiff;
   configure(stiff);
   stiff->EstimateErrorOff();
@@ -243,7 +256,7 @@ TEST_F(VoxelStiffness, MaterialsAsPeopleSayThem)
 
 TEST_F(VoxelStiffness, ExpandsByAField)
 {
-  const auto image = sample();
+  const auto image = layersWithAHole();
   vtkNew<vtkFloatArray> temperature;
   temperature->SetName("temperature");
   for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
@@ -268,13 +281,178 @@ TEST_F(VoxelStiffness, ExpandsByAField)
   EXPECT_NE(errorOf(filter).find("no point array 'moisture'"), std::string::npos);
 }
 
+/// The value of a component in every point, which is to be the same but for single precision.
+double uniform(vtkVoxelStiffness* filter, const char* name, int component)
+{
+  vtkDataArray* const array = vtktest::points(filter->GetImage(), name);
+  const std::array<double, 2> range{ array->GetRange(component)[0], array->GetRange(component)[1] };
+  const double largest = array->GetMaxNorm();
+  EXPECT_LE(range[1] - range[0], 1e-5 * largest) << name << ' ' << component;
+  return 0.5 * (range[0] + range[1]);
+}
+
+// Of one material a plane of a volume is under plane stress where nothing pulls across it, and under plane strain where
+// that strain is held: what a picture has across its plane is what the volume has. Floats and the tolerance leave 1e-5.
+TEST_F(VoxelStiffness, AcrossThePlaneAsInSpace)
+{
+  const auto nothing = [](int, int, int) { return 0; };
+  struct Case
+  {
+    const char* what;
+    std::function<void(vtkVoxelStiffness*)> give;
+  };
+  const std::array<Case, 4> cases{ {
+    { "isotropic",
+      [](vtkVoxelStiffness* f)
+      {
+        f->SetYoungsModulus("wall", 4e9);
+        f->SetPoissonsRatio("wall", 0.4);
+        f->SetExpansion("wall", 1e-4);
+      } },
+    { "with an axis",
+      [](vtkVoxelStiffness* f)
+      {
+        f->SetYoungsModulus("wall", 8e9);
+        f->SetYoungsModulusAcross("wall", 2e9);
+        f->SetPoissonsRatio("wall", 0.25);
+        f->SetPoissonsRatioAcross("wall", 0.45);
+        f->SetShearModulus("wall", 1e9);
+        f->SetExpansion("wall", 1e-5);
+        f->SetExpansionAcross("wall", 2e-4);
+      } },
+    { "orthotropic",
+      [](vtkVoxelStiffness* f)
+      {
+        f->SetStiffness("wall", "12e9 4e9 3e9 9e9 2.5e9 6e9 1e9 1.5e9 2e9");
+        f->SetExpansion("wall", 1e-4);
+      } },
+    // z a plane of symmetry, x and y not: shears in the plane stretch across it
+    { "monoclinic",
+      [](vtkVoxelStiffness* f)
+      {
+        f->SetStiffness("wall", "12e9 4e9 3e9 0 0 1e9 9e9 2.5e9 0 0 -0.5e9 6e9 0 0 0.8e9 1e9 0.2e9 0 1.5e9 0 2e9");
+        f->SetExpansion("wall", 1e-4);
+      } },
+  } };
+  for (const Case& c : cases)
+    for (const int plane : { vtkVoxelStiffness::PLANE_STRESS, vtkVoxelStiffness::PLANE_STRAIN })
+    {
+      SCOPED_TRACE(c.what);
+      SCOPED_TRACE(plane);
+      std::array<vtkNew<vtkVoxelStiffness>, 2> filters;
+      for (std::size_t space = 0; space < 2; ++space)
+      {
+        const auto image = picture(6, 5, space != 0 ? 4 : 1, nothing, 1e-5);
+        setFieldTexts(image, "phase_names", std::vector<std::string>{ "wall" });
+        vtkNew<vtkFloatArray> axis;
+        axis->SetName("axis");
+        axis->SetNumberOfComponents(3);
+        for (vtkIdType i = 0; i < image->GetNumberOfPoints(); ++i)
+          axis->InsertNextTuple3(2, 1, 0);
+        image->GetPointData()->AddArray(axis);
+        vtkVoxelStiffness* const filter = filters[space];
+        c.give(filter);
+        filter->SetPlane(plane);
+        filter->SetTolerance(1e-10);
+        filter->EstimateErrorOff();
+        filter->SetMeanStress("xx", 5e6);
+        filter->SetMeanStress("yy", -2e6);
+        filter->SetMeanStress("xy", 3e6);
+        if (space != 0 && plane == vtkVoxelStiffness::PLANE_STRAIN)
+          filter->SetMeanStrain("zz", 0);
+        filter->SetChange(3);
+        filter->SetInputData(image);
+        ASSERT_EQ(errorOf(filter), "");
+      }
+      for (const char* const name : { "strain", "stress" })
+        for (const int component : { 0, 1, 2, 3 })
+        {
+          const double found = uniform(filters[0], name, component);
+          const double exact = uniform(filters[1], name, component);
+          const double largest = vtktest::points(filters[1]->GetImage(), name)->GetMaxNorm();
+          EXPECT_NEAR(found, exact, 1e-5 * largest) << name << ' ' << component;
+        }
+      EXPECT_GT(std::abs(uniform(filters[0], plane == vtkVoxelStiffness::PLANE_STRESS ? "strain" : "stress", 2)), 0);
+    }
+}
+
+// Layers of two materials across x under stress xx = S, free along y: ε_yy is e in both, and with σ_yy = E (e − α Δ) +
+// ν S their mean is 0. So ε_zz = −ν/E (S + σ_yy) + α Δ in each.
+TEST_F(VoxelStiffness, AcrossThePlaneOfALaminate)
+{
+  const auto image = picture(
+    8, 4, 1, [](int x, int, int) { return x < 2 ? 0 : 1; }, 1e-5);
+  setFieldTexts(image, "phase_names", std::vector<std::string>{ "wall", "lamella" });
+  const std::array<double, 2> young{ 4e9, 1e9 };
+  const std::array<double, 2> poisson{ 0.3, 0.4 };
+  const std::array<double, 2> expansion{ 1e-4, 5e-5 };
+  constexpr double stress = 5e6;
+  constexpr double change = 7;
+  vtkNew<vtkVoxelStiffness> filter;
+  for (std::size_t i = 0; i < 2; ++i)
+  {
+    const char* const name = i == 0 ? "wall" : "lamella";
+    filter->SetYoungsModulus(name, young[i]);
+    filter->SetPoissonsRatio(name, poisson[i]);
+    filter->SetExpansion(name, expansion[i]);
+  }
+  filter->SetTolerance(1e-10);
+  filter->EstimateErrorOff();
+  filter->SetMeanStress("xx", stress);
+  filter->SetChange(change);
+  filter->SetInputData(image);
+  ASSERT_EQ(errorOf(filter), "");
+  const double stiff = 0.25 * young[0] + 0.75 * young[1];
+  double pull = 0;
+  for (std::size_t i = 0; i < 2; ++i)
+    pull += (i == 0 ? 0.25 : 0.75) * (young[i] * expansion[i] * change - poisson[i] * stress);
+  vtkDataArray* const strain = vtktest::points(filter->GetImage(), "strain");
+  for (vtkIdType k = 0; k < strain->GetNumberOfTuples(); ++k)
+  {
+    const std::size_t i = k % 8 < 2 ? 0 : 1;
+    const double side = young[i] * (pull / stiff - expansion[i] * change) + poisson[i] * stress;
+    const double exact = -poisson[i] / young[i] * (stress + side) + expansion[i] * change;
+    EXPECT_NEAR(strain->GetComponent(k, 2), exact, 1e-5 * strain->GetMaxNorm()) << k; // floats, and the tolerance
+  }
+
+  // of the plane's own tensor nobody knows; greys that are shares of a solid and a void have the solid's strain
+  filter->RemoveAllYoungsModuli();
+  filter->SetYoungsModulus("wall", young[0]);
+  filter->RemoveAllExpansions();
+  filter->SetStiffness("lamella", "1e9 3e8 1e9 4e8");
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_FALSE(std::isnan(vtktest::points(filter->GetImage(), "strain")->GetComponent(0, 2)));
+  EXPECT_TRUE(std::isnan(vtktest::points(filter->GetImage(), "strain")->GetComponent(7, 2)));
+
+  const auto grey = picture(
+    8, 4, 1, [](int, int, int) { return 100; }, 1e-5);
+  for (const int plane : { vtkVoxelStiffness::PLANE_STRESS, vtkVoxelStiffness::PLANE_STRAIN })
+  {
+    vtkNew<vtkVoxelStiffness> half;
+    half->SetShares(0, 200);
+    half->SetPlane(plane);
+    half->SetYoungsModulus("high", young[0]);
+    half->SetExpansion("high", expansion[0]);
+    half->EstimateErrorOff();
+    half->SetMeanStress("xx", stress);
+    half->SetChange(change);
+    half->SetInputData(grey);
+    ASSERT_EQ(errorOf(half), "");
+    if (plane == vtkVoxelStiffness::PLANE_STRESS)
+      EXPECT_NEAR(uniform(half, "strain", 2), -0.3 * stress / (0.5 * young[0]) + expansion[0] * change, 1e-8);
+    else // half of the solid's, which is under twice the stress
+      EXPECT_NEAR(
+        uniform(half, "stress", 2), 0.5 * (0.3 * 2 * stress - young[0] * expansion[0] * change), 1e-5 * stress);
+  }
+}
+
 TEST_F(VoxelStiffness, WhatIsRefused)
 {
   const auto fails =
     [](const std::function<void(vtkVoxelStiffness*, vtkImageData*)>& change, const char* message, int failure)
   {
     SCOPED_TRACE(message);
-    const auto image = sample();
+    const auto image = layersWithAHole();
     vtkNew<vtkVoxelStiffness> filter;
     configure(filter);
     filter->SetInputData(image);
@@ -341,7 +519,7 @@ TEST_F(VoxelStiffness, RanksChangeNothing)
 {
   for (const int nz : { 1, 8 })
   {
-    const auto image = sample(nz);
+    const auto image = layersWithAHole(nz);
     const auto load = [](vtkVoxelStiffness* filter)
     {
       configure(filter);

@@ -1022,6 +1022,20 @@ class Bonds(unittest.TestCase):
         with self.assertRaises(lamella.Cancelled):
             lamella.bond_stiffness(layers, young, mixing="harmonic", progress=lambda share, text: False)
 
+    def test_stiffness_by_direction(self):
+        # layers without Poisson's effect: E 2.5 along them, 1.6 across, G 0.8 of these axes
+        result = lamella.stiffness(lamella.laminate(size=(16, 16), axis="y", cells=1), {"matrix": 1e9, "inclusion": 4e9},
+                                   {"matrix": 0, "inclusion": 0}, estimate_error=False)
+        young, shear = result.by_direction["young"], result.by_direction["shear"]
+        self.assertAlmostEqual(young["most"]["value"] / 2.5e9, 1, places=6)
+        np.testing.assert_allclose(young["most"]["direction"], (1, 0))
+        self.assertAlmostEqual(result.modulus(young["least"]["direction"]) / young["least"]["value"], 1, places=9)
+        self.assertAlmostEqual(shear["least"]["value"] / 0.8e9, 1, places=6)
+        self.assertEqual(shear["least"]["across"].shape, (2,))
+        points = lamella.arrays(result.vtk_directions)
+        self.assertAlmostEqual(points["shear_modulus"].min() / shear["least"]["value"], 1, places=6)
+        self.assertAlmostEqual(points["poissons_ratio"].max(), result.by_direction["poisson"]["most"]["value"], places=3)
+
     def test_arrays_and_pairs(self):
         picture = np.ones((40, 40), int)
         picture[:, :20] = 2

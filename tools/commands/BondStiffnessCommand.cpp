@@ -18,7 +18,6 @@
 
 #include <fmt/format.h>
 
-#include <cmath>
 #include <memory>
 #include <string>
 #include <vector>
@@ -63,16 +62,12 @@ std::string bondStiffnessTable(const BondRun& report)
   text += sizesText(f);
   text +=
     "  Every side goes on at the opposite one. Mean stress over the whole cell, voids included; shear strains as\n"
-    "  angles.";
-  text += std::isfinite(f("estimated_error"))
-    ? fmt::format(" The error is that of pixels and lattice against a solid of Poisson's ratio {:.4g}, from every\n"
-                  "  second, third and fourth pixel. Not in it: another Poisson's ratio, what no pixel shows.\n",
-        f("poissons_ratio"))
-    : "\n";
-  if (f.text("continuum") == "plane-strain")
-    text += "  Constants of the plane: an isotropic material would have E/(1 - nu²) and nu/(1 - nu).\n";
-  text += wroteText(report.written);
-  return text;
+    "  angles.\n";
+  return text +
+    stiffnessEnd(f,
+      { "pixels and lattice", fmt::format("a solid of Poisson's ratio {:.4g}", f("poissons_ratio")),
+        "another Poisson's ratio, what no pixel shows" },
+      report.written);
 }
 
 struct BondStiffnessOptions

@@ -22,8 +22,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <memory>
+#include <numbers>
 #include <string>
 #include <vector>
 
@@ -37,6 +39,36 @@ Json isotropicJson(const Fields& f)
 {
   return { { "bulk", f("isotropic_part", 0) }, { "shear", f("isotropic_part", 1) }, { "young", f("isotropic_part", 2) },
     { "poisson", f("isotropic_part", 3) }, { "rest", f("isotropic_part", 4) } };
+}
+
+constexpr std::array<const char*, 3> directed{ "young", "shear", "poisson" };
+
+/// The place of an extreme among those of the field data, least and most of each constant.
+std::array<double, 3> directionOf(const Fields& f, const char* name, std::size_t i)
+{
+  return { f(name, 3 * i), f(name, 3 * i + 1), f(name, 3 * i + 2) };
+}
+
+Json byDirectionJson(const Fields& f)
+{
+  Json json = Json::object();
+  for (std::size_t k = 0; k < directed.size(); ++k)
+    for (std::size_t most = 0; most < 2; ++most)
+    {
+      const std::size_t i = 2 * k + most;
+      const auto vector = [&](const char* name)
+      {
+        Json list = Json::array();
+        for (int a = 0; a < f.dimension; ++a)
+          list.push_back(jsonNumber(directionOf(f, name, i)[static_cast<std::size_t>(a)]));
+        return list;
+      };
+      Json& one = json[directed[k]][most != 0 ? "most" : "least"];
+      one = { { "value", jsonNumber(f("extremes", i)) }, { "direction", vector("extreme_directions") } };
+      if (k > 0)
+        one["across"] = vector("extreme_across");
+    }
+  return json;
 }
 
 std::string stiffnessJson(const BondRun& run)
@@ -53,6 +85,7 @@ std::string stiffnessJson(const BondRun& run)
     json["isotropic"] = isotropicJson(f);
     json["orthotropic"] = { { "stiffness", rowsOf(f.numbers("orthotropic_part"), f.dimension == 3 ? 6 : 3) },
       { "axes", rowsOf(f.numbers("orthotropic_axes"), 3) }, { "rest", f("orthotropic_rest") } };
+    json["by_direction"] = byDirectionJson(f);
   }
   if (!f.numbers("expansion").empty())
     json["expansion"] = f.numbers("expansion");
@@ -110,6 +143,38 @@ std::string componentsText(const std::vector<std::string>& names, const std::vec
   return text;
 }
 
+/// "(0, 0.71, 0.71)"; in the plane an angle from x.
+std::string directionText(const std::array<double, 3>& v, int dimension)
+{
+  if (dimension == 2)
+    return fmt::format("{:.4g}°", std::atan2(v[1], v[0]) * 180 / std::numbers::pi);
+  const auto hundredths = [](double c) { return 0.01 * static_cast<double>(std::lround(100 * c)); };
+  return fmt::format("({:.2g}, {:.2g}, {:.2g})", hundredths(v[0]), hundredths(v[1]), hundredths(v[2]));
+}
+
+std::string byDirectionText(const Fields& f)
+{
+  constexpr std::array<const char*, 3> symbols{ "E", "G", "nu" };
+  const auto [unit, name] = stressUnit(f("extremes", 1));
+  std::string text = "  of all directions\n";
+  for (std::size_t i = 0; i < 2 * symbols.size(); ++i)
+  {
+    const double value = f("extremes", i);
+    text += fmt::format("    {:<4}{}", i % 2 == 0 ? symbols[i / 2] : "", i % 2 == 0 ? "least " : "most  ");
+    if (!std::isfinite(value))
+    {
+      text += "-\n";
+      continue;
+    }
+    text += i / 2 == 2 ? fmt::format("{:.4f}", value) : fmt::format("{:.5g} {}", value / unit, name);
+    text += " along " + directionText(directionOf(f, "extreme_directions", i), f.dimension);
+    if (i > 1 && f.dimension == 3)
+      text += " across " + directionText(directionOf(f, "extreme_across", i), f.dimension);
+    text += '\n';
+  }
+  return text;
+}
+
 std::string stiffnessTable(const BondRun& run)
 {
   const BondFields f(run);
@@ -139,6 +204,7 @@ std::string stiffnessTable(const BondRun& run)
                         "orthotropic one {} %\n",
       f("isotropic_part", 2) / unit, name, f("isotropic_part", 3), percent(f("isotropic_part", 4)),
       percent(f("orthotropic_rest")));
+    text += byDirectionText(f);
   }
   if (!f.numbers("expansion").empty())
     text += fmt::format("  expansion for a change of 1: {}\n", componentsText(names, f.numbers("expansion"), 1));
@@ -161,13 +227,10 @@ std::string stiffnessTable(const BondRun& run)
     fmt::format("  {} nodes, of which {} were skipped\n", grouped(lattice.count()), grouped(f.whole("skipped_nodes")));
   text += "  Each node is one element of its phase. Mean stress over the whole box, voids included; shear strains as "
           "angles.\n";
-  if (tensor && std::isfinite(f("estimated_error")))
-    text += "  The error is that of pixels and elements against the material, from every second, third and fourth\n"
-            "  pixel. Not in it: what no pixel shows, how far the box speaks for more of its material.\n";
-  if (f.text("continuum") == "plane-strain")
-    text += "  Constants of the plane: an isotropic material would have E/(1 - nu²) and nu/(1 - nu).\n";
-  text += wroteText(run.written);
-  return text;
+  return text +
+    stiffnessEnd(f,
+      { "pixels and elements", "the material", "what no pixel shows, how far the box speaks for more of its material" },
+      run.written);
 }
 
 struct StiffnessOptions
@@ -247,8 +310,8 @@ Command stiffnessCommand(CLI::App& root)
   addResultFile(*app, "--tensor", o->tensor, "Write the tensor, one row a stress");
   addResultFile(
     *app, "--constants", o->constants, "Write Young's moduli, shear moduli and Poisson's ratios, one row each");
-  addResultFile(
-    *app, "--directions", o->directions, "Write Young's modulus by direction, as a surface or a line", "FILE.vtp");
+  addResultFile(*app, "--directions", o->directions, "Write the elastic constants by direction, as a surface or a line",
+    "FILE.vtp");
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella stiffness honeycomb.png --phase 0=void --other wall --young wall=10e9 --threads 0",

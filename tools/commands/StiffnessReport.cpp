@@ -1,5 +1,7 @@
 #include "commands/StiffnessReport.h"
 
+#include "session/Text.h"
+
 #include "vtkLatticeConversion.h"
 
 #include <fmt/format.h>
@@ -164,6 +166,18 @@ std::string stiffnessText(const Fields& f)
       "    {:<4}{:.5g} to {:.5g} {}\n", names[a], lower[a * n + a] / unit, upper[a * n + a] / unit, unitName);
   }
   return text;
+}
+
+std::string stiffnessEnd(const Fields& f, const ErrorWords& error, const std::vector<std::string>& written)
+{
+  std::string text;
+  if (std::isfinite(f("estimated_error")))
+    text += fmt::format("  The error is that of {} against {},\n"
+                        "  from every second, third and fourth pixel. Not in it: {}.\n",
+      error.of, error.against, error.leavesOut);
+  if (f.text("continuum") == "plane-strain")
+    text += "  Constants of the plane: an isotropic material would have E/(1 - nu²) and nu/(1 - nu).\n";
+  return text + wroteText(written);
 }
 
 std::string iterationsText(const Fields& f)

@@ -3,6 +3,7 @@
 #include "files/FieldReport.h"
 
 #include <string>
+#include <vector>
 
 /// What the reports of commands share that find a stiffness tensor.
 namespace lamella::cli
@@ -15,6 +16,14 @@ void addStiffnessSolves(Json& json, const Fields& f, int refine);
 
 /// The tensor, the constants and the bounds, each with its error, for people.
 [[nodiscard]] std::string stiffnessText(const Fields& f);
+/// What a method's error is of, in words.
+struct ErrorWords
+{
+  std::string of, against, leavesOut;
+};
+/// The last lines: what the error is where there is one, whose the constants of plane strain are, and the files.
+[[nodiscard]] std::string stiffnessEnd(
+  const Fields& f, const ErrorWords& error, const std::vector<std::string>& written);
 /// "8 + 8 + 8"
 [[nodiscard]] std::string iterationsText(const Fields& f);
 

@@ -23,7 +23,7 @@ namespace el = elasticity;
 
 constexpr double usualRatio = 0.3;
 
-/// The upper triangle of a tensor that is written as its numbers.
+/// The upper triangle of a tensor that is written as its numbers: 21 of space, also for pictures, or 6 of the plane.
 el::PhaseStiffness tensorOf(const std::string& text, int dimension, const std::string& phase)
 {
   std::vector<double> numbers;
@@ -38,16 +38,18 @@ el::PhaseStiffness tensorOf(const std::string& text, int dimension, const std::s
   }
   if (dimension == 2 && numbers.size() == 4) // C11 C12 C22 C66
     return { numbers[0], numbers[1], 0, numbers[2], 0, numbers[3] };
-  if (dimension == 3 && numbers.size() == 3) // cubic
+  if (numbers.size() == 3) // cubic
     numbers = { numbers[0], numbers[1], numbers[1], numbers[0], numbers[1], numbers[0], numbers[2], numbers[2],
       numbers[2] };
-  if (dimension == 3 && numbers.size() == 9)
+  if (numbers.size() == 9)
     return { numbers[0], numbers[1], numbers[2], 0, 0, 0, numbers[3], numbers[4], 0, 0, 0, numbers[5], 0, 0, 0,
       numbers[6], 0, 0, numbers[7], 0, numbers[8] };
-  if (numbers.size() != (dimension == 3 ? 21U : 6U))
+  if (numbers.size() != 21 && (dimension == 3 || numbers.size() != 6))
     throw ParameterError(fmt::format("{} numbers for the stiffness of '{}'", numbers.size(), phase),
-      dimension == 3 ? "give 21, the upper triangle by rows; 9 of an orthotropic one or 3 of a cubic one"
-                     : "give 6, the upper triangle by rows; 4 of an orthotropic one");
+      dimension == 3
+        ? "give 21, the upper triangle by rows; 9 of an orthotropic one or 3 of a cubic one"
+        : "give 6, the upper triangle by rows, or 4 of an orthotropic one, of the plane; or those of space, "
+          "21, 9 or 3");
   return numbers;
 }
 
@@ -112,6 +114,8 @@ VoxelMaterials::VoxelMaterials(const VoxelSettings& s, const PhaseIds& phases, s
     if (!std::isfinite(phase.expansion[0]) || !std::isfinite(phase.expansion[1]))
       throw ParameterError(fmt::format("an expansion of '{}' that is not finite", names[id]), "give a finite number");
     nlohmann::json& told = told_[names[id]];
+    std::optional<el::TransverseMaterial> constants;
+    std::optional<std::array<double, 3>> inPlane; // expansion of a tensor that is known in space
     if (rigid)
     {
       material.rigid = true;
@@ -120,15 +124,21 @@ VoxelMaterials::VoxelMaterials(const VoxelSettings& s, const PhaseIds& phases, s
     }
     else if (full)
     {
-      material.stiffness = tensorOf(components->second, dimension, names[id]);
-      told["stiffness"] = material.stiffness;
-      el::requireStable(s.continuum, material.stiffness, fmt::format("'{}'", names[id]).c_str());
+      el::PhaseStiffness tensor = tensorOf(components->second, dimension, names[id]);
+      told["stiffness"] = tensor;
+      const bool inSpace = tensor.size() == 21;
+      el::requireStable(inSpace ? el::Continuum::Space : s.continuum, tensor, fmt::format("'{}'", names[id]).c_str());
+      material.stiffness = inSpace ? el::inPlane(s.continuum, tensor) : tensor;
+      if (inSpace && dimension == 2)
+      {
+        phase.across = el::acrossPlane(s.continuum, tensor, phase.expansion[0]);
+        inPlane = el::planeExpansion(s.continuum, tensor, phase.expansion[0]);
+      }
       allIsotropic = allIsotropic && nodes[id] == 0;
     }
     else if (!isVoid && young != nullptr && nodes[id] > 0)
     {
-      el::TransverseMaterial& m = phase.constants;
-      phase.plain = true;
+      el::TransverseMaterial m;
       m.youngAlong = m.youngAcross = *young;
       m.poissonAlong = m.poissonAcross = poisson != nullptr ? *poisson : usualRatio;
       told["young"] = *young;
@@ -159,6 +169,9 @@ VoxelMaterials::VoxelMaterials(const VoxelSettings& s, const PhaseIds& phases, s
       {
         throw ParameterError(fmt::format("{} of phase '{}'", error.what(), names[id]), error.hint());
       }
+      constants = m;
+      if (dimension == 2)
+        phase.across = el::acrossPlane(s.continuum, m, phase.expansion);
     }
     else if (!isVoid && nodes[id] > 0)
       lacking.push_back(names[id]);
@@ -170,17 +183,19 @@ VoxelMaterials::VoxelMaterials(const VoxelSettings& s, const PhaseIds& phases, s
       if (phase.transverse)
         told["expansion_across"] = phase.expansion[1];
       const std::array<double, 2> plane =
-        phase.plain ? el::planeExpansion(s.continuum, phase.constants, phase.expansion) : phase.expansion;
+        constants ? el::planeExpansion(s.continuum, *constants, phase.expansion) : phase.expansion;
       if (phase.transverse)
         material.expansion = { plane[0], plane[1] };
       else if (!isVoid && !rigid)
       {
-        if (full && strain_)
+        if (full && strain_ && !inPlane)
           throw ParameterError(
             fmt::format("the expansion of '{}' in plane strain, of a tensor of the plane alone", names[id]),
-            "give it constants, or take plane stress");
+            "give it constants, or its tensor in space (21, 9 or 3 numbers), or take plane stress");
         material.expansion.assign(material.stiffness.size() == 21 ? 6 : 3, 0.0);
         std::fill_n(material.expansion.begin(), dimension, plane[1]);
+        if (inPlane)
+          material.expansion.assign(inPlane->begin(), inPlane->end());
       }
     }
     if (told.is_null() || nodes[id] == 0)
@@ -228,9 +243,24 @@ VoxelMaterials::VoxelMaterials(const VoxelSettings& settings, std::span<const do
   strain_ = own.strain_;
   told_ = own.told_;
   isotropic_ = own.isotropic_;
-  phases_.resize(materials_.size());
-  for (const el::VoxelMaterial& material : materials_)
-    void_.push_back(std::ranges::all_of(material.stiffness, [](double c) { return c == 0; }));
+  for (std::size_t id = 0; id < materials_.size(); ++id)
+  {
+    const double share = shares[id];
+    void_.push_back(std::ranges::all_of(materials_[id].stiffness, [](double c) { return c == 0; }));
+    const bool hollow = own.isVoid(0) || own.isVoid(1);
+    Phase phase = own.phases_[own.isVoid(0) || (!own.isVoid(1) && share >= 1) ? 1 : 0];
+    const double held = !hollow ? 1 : own.isVoid(0) ? share : 1 - share; // of the solid
+    if (!hollow && share > 0 && share < 1)
+      phase.across.reset(); // layers, each with its own
+    else if (phase.across && held > 0)
+    {
+      // the voxel's stress is the solid's times its share, in plane strain also across
+      for (double& by : phase.across->byStress)
+        by /= strain_ ? 1 : held;
+      phase.across->byChange *= strain_ ? held : 1;
+    }
+    phases_.push_back(phase);
+  }
 }
 
 std::vector<double> sharesOf(const PhaseIds& phases, double none, double all)
@@ -247,21 +277,22 @@ std::vector<double> sharesOf(const PhaseIds& phases, double none, double all)
   return shares;
 }
 
-double VoxelMaterials::outOfPlane(
+double VoxelMaterials::acrossPlane(
   std::uint8_t id, double xx, double yy, double xy, const std::array<float, 3>& axis, double change) const
 {
   const Phase& phase = phases_[id];
-  if (!strain_ || !phase.plain)
-    return strain_ && !void_[id] && !materials_[id].rigid ? std::numeric_limits<double>::quiet_NaN() : 0.0;
-  const el::TransverseMaterial& m = phase.constants;
+  if (void_[id] || materials_[id].rigid)
+    return 0.0;
+  if (!phase.across)
+    return std::numeric_limits<double>::quiet_NaN();
+  const auto& by = phase.across->byStress;
+  const double value = phase.across->byChange * change;
+  if (!phase.transverse)
+    return value + by[0] * xx + by[1] * yy + by[2] * xy;
   const auto x = static_cast<double>(axis[0]);
   const auto y = static_cast<double>(axis[1]);
-  const double square = phase.transverse ? x * x + y * y : 1;
-  const double along = phase.transverse ? (xx * x * x + yy * y * y + 2 * xy * x * y) / square : xx;
-  const double across = xx + yy - along;
-  // strain zz = 0 = −ν σ_along/E_along − ν' σ_across/E_across + σ_zz/E_across + expansion
-  return m.poissonAlong * m.youngAcross / m.youngAlong * along + m.poissonAcross * across -
-    m.youngAcross * phase.expansion[1] * change;
+  const double along = (xx * x * x + yy * y * y + 2 * xy * x * y) / (x * x + y * y);
+  return value + by[0] * along + by[1] * (xx + yy - along);
 }
 
 std::vector<double> voigtVector(const std::map<std::string, double>& components, int dimension, const char* what)

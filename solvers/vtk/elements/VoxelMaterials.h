@@ -8,6 +8,7 @@
 
 #include <cstdint>
 #include <map>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -51,17 +52,17 @@ public:
     std::vector<double> bulk, shear;
   };
   [[nodiscard]] const Isotropic& isotropic() const noexcept { return isotropic_; }
-  /// Stress out of the plane, in plane strain, of a point's in-plane stress and change; 0 in plane stress.
-  [[nodiscard]] double outOfPlane(
+  /// Of a picture's point, by its stress in the plane and its change: in plane stress the strain across the plane, in
+  /// plane strain the stress [Pa]; NaN of a tensor of the plane alone, and where two solids share the point.
+  [[nodiscard]] double acrossPlane(
     std::uint8_t id, double xx, double yy, double xy, const std::array<float, 3>& axis, double change) const;
 
 private:
   struct Phase
   {
-    elasticity::TransverseMaterial constants;
-    std::array<double, 2> expansion{ 0, 0 }; ///< along, across
+    std::array<double, 2> expansion{ 0, 0 };       ///< along, across
+    std::optional<elasticity::AcrossPlane> across; ///< of pictures, where it is known
     bool transverse = false;
-    bool plain = false; ///< constants hold
   };
 
   std::vector<elasticity::VoxelMaterial> materials_;

@@ -5,6 +5,7 @@
 #include "FieldNumbers.h"
 #include "Listed.h"
 #include "NewArray.h"
+#include "StiffnessDirections.h"
 #include "StiffnessTables.h"
 #include "VoxelMaterials.h"
 #include "vtkLatticeConversion.h"
@@ -14,18 +15,14 @@
 #include "core/Error.h"
 #include "elasticity/TensorParts.h"
 
-#include "vtkCellArray.h"
-#include "vtkDoubleArray.h"
 #include "vtkFieldData.h"
 #include "vtkFloatArray.h"
 #include "vtkImageData.h"
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
-#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
-#include "vtkSphereSource.h"
 #include "vtkTable.h"
 
 #include <fmt/format.h>
@@ -34,7 +31,6 @@
 #include <array>
 #include <cmath>
 #include <map>
-#include <numbers>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -49,9 +45,6 @@ using lamella::unknown;
 
 constexpr std::array<const char*, 6> sideWords{ "periodic", "uniform-strain", "uniform-stress", "straight", "slip",
   "grip" };
-constexpr int meridians = 97;
-constexpr int parallels = 65;
-constexpr int lineSteps = 360;
 
 /// Values of points, in pieces, of the whole image on every rank.
 class Gathered
@@ -88,62 +81,6 @@ constexpr std::array<int, 6> ofPlane{ 0, 1, -1, 2, -1, -1 };
 el::StiffnessSides sidesOf(int sides)
 {
   return static_cast<el::StiffnessSides>(sides);
-}
-
-void fillDirections(vtkPolyData* data, const std::vector<double>& stiffness, int dimension)
-{
-  vtkNew<vtkPolyData> shape;
-  if (dimension == 3)
-  {
-    vtkNew<vtkSphereSource> sphere;
-    sphere->SetThetaResolution(meridians - 1);
-    sphere->SetPhiResolution(parallels);
-    sphere->SetRadius(1);
-    sphere->SetOutputPointsPrecision(vtkAlgorithm::DOUBLE_PRECISION);
-    sphere->Update();
-    shape->CopyStructure(sphere->GetOutput());
-  }
-  else
-  {
-    vtkNew<vtkPoints> points;
-    points->SetDataTypeToDouble();
-    vtkNew<vtkCellArray> line;
-    line->InsertNextCell(lineSteps + 1);
-    for (int i = 0; i <= lineSteps; ++i)
-    {
-      const double angle = 2 * std::numbers::pi * i / lineSteps;
-      line->InsertCellPoint(points->InsertNextPoint(std::cos(angle), std::sin(angle), 0));
-    }
-    shape->SetPoints(points);
-    shape->SetLines(line);
-  }
-  const vtkIdType count = shape->GetNumberOfPoints();
-  const auto modulus = lamella::newArray<vtkDoubleArray>("youngs_modulus", 1, static_cast<std::size_t>(count));
-  const auto direction = lamella::newArray<vtkDoubleArray>("direction", 3, static_cast<std::size_t>(count));
-  const el::DirectionalModulus along(stiffness, dimension);
-  double most = 0;
-  for (vtkIdType i = 0; i < count; ++i)
-  {
-    std::array<double, 3> way{};
-    shape->GetPoint(i, way.data());
-    const double value = along(way);
-    most = std::max(most, value);
-    modulus->SetValue(i, value);
-    direction->SetTypedTuple(i, way.data());
-  }
-  vtkPoints* const points = shape->GetPoints();
-  for (vtkIdType i = 0; i < count && most > 0; ++i)
-  {
-    std::array<double, 3> way{};
-    direction->GetTypedTuple(i, way.data());
-    const double radius = modulus->GetValue(i) / most;
-    points->SetPoint(i, radius * way[0], radius * way[1], radius * way[2]);
-  }
-  lamella::describe(modulus, "Pa", "Young's modulus under stress along this direction", "vtkVoxelStiffness");
-  lamella::describe(direction, "1", "unit vector", "vtkVoxelStiffness");
-  data->ShallowCopy(shape);
-  data->GetPointData()->SetScalars(modulus);
-  data->GetPointData()->AddArray(direction);
 }
 
 void describeParts(vtkImageData* output, const std::vector<double>& stiffness, int dimension)
@@ -491,10 +428,12 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
           if (this->ComputeStress)
             fields.stress[6 * at + c] = static_cast<float>(stress[order[c]][i]);
         }
-        if (dimension == 2 && this->ComputeStress)
-          fields.stress[6 * at + 2] = static_cast<float>(materials->outOfPlane(phase[voxel], stress[0][i], stress[1][i],
-            stress[2][i], axis.empty() ? std::array<float, 3>{ 1, 0, 0 } : axis[voxel],
-            this->Change * (source.empty() ? 1.0 : static_cast<double>(source[voxel]))));
+        const bool strained = this->Plane == PLANE_STRAIN; // the strain across is 0, else the stress is
+        if (dimension == 2 && (strained ? this->ComputeStress : this->ComputeStrain))
+          (strained ? fields.stress : fields.strain)[6 * at + 2] =
+            static_cast<float>(materials->acrossPlane(phase[voxel], stress[0][i], stress[1][i], stress[2][i],
+              axis.empty() ? std::array<float, 3>{ 1, 0, 0 } : axis[voxel],
+              this->Change * (source.empty() ? 1.0 : static_cast<double>(source[voxel]))));
       }
     };
   }
@@ -560,7 +499,8 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
     if (!el::between(options.sides))
     {
       describeParts(output, result.stiffness, dimension);
-      fillDirections(directions, result.stiffness, dimension);
+      lamella::setExtremes(output, result.stiffness, dimension);
+      lamella::fillDirections(directions, result.stiffness, dimension);
     }
     lamella::fillTensor(tensor, found, "vtkVoxelStiffness");
     lamella::fillConstants(constants, found, "vtkVoxelStiffness");

@@ -15,14 +15,17 @@
  *
  * **Output 0**: the input, with the numbers as field data; of a load also, as floats,
  * - `displacement` [m], 3 components, from the image's middle; `stress` [Pa] and `strain` (tensor components) with six,
- *   XX, YY, ZZ, XY, YZ, XZ; all are means over the point's element, 0 in voids
+ *   XX, YY, ZZ, XY, YZ, XZ; all are means over the point's element, 0 in voids. Across a picture's plane ZZ of the
+ *   strain in plane stress, of the stress in plane strain: NaN of a tensor of the plane alone and of points that two
+ *   solids share
  * **Output 1**, tensor: one row a stress: `stress` (its name), then for each strain `xx` … [Pa], `extrapolated_xx` …,
  * `error_xx` … (NaN where they are not known).
  * **Output 2**, constants: one row each: `constant` (E_x, …, nu_xy, …, G_xy: those under stress along one direction,
  * from the inverse), `value`, `extrapolated`, `error`, `unit` (Pa or 1).
  * **Output 3**, directions: vtkPolyData, of volumes a closed surface and of pictures a closed line whose distance from
- * the origin is Young's modulus in that direction over the largest, with point arrays `youngs_modulus` [Pa] and
- * `direction`.
+ * the origin is Young's modulus in that direction over the largest, with point arrays `direction`, `youngs_modulus`
+ * [Pa] and, of all directions across it, `shear_modulus_least`, `shear_modulus_most` [Pa], `poissons_ratio_least` and
+ * `poissons_ratio_most`; of pictures, where there is one across, `shear_modulus` and `poissons_ratio`.
  *
  * **Field data** of all outputs:
  * - `stiffness`, `stiffness_extrapolated`, `stiffness_error`, `stiffness_voigt`, `stiffness_reuss`: 9 or 36 numbers by
@@ -34,6 +37,8 @@
  * - `isotropic_part`: bulk and shear modulus, Young's modulus [Pa], Poisson's ratio, and the share of the tensor's norm
  *   that is left; `orthotropic_part`: the same tensor's part in the axes in which it leaves least, by rows,
  *   `orthotropic_axes`: these, 9 numbers, one axis after the other, `orthotropic_rest`: the share left
+ * - `extremes`: Young's modulus, shear modulus [Pa] and Poisson's ratio over all directions, of each the least and the
+ *   most; `extreme_directions`, `extreme_across`: where, three numbers of each
  * - `hashin_shtrikman`: bulk modulus, lower and upper, shear modulus, lower and upper [Pa], of isotropic mixtures;
  * where all phases are isotropic
  * - `expansion`: mean strain of the free box for a change of 1, Voigt's order; where some phase expands
@@ -138,7 +143,8 @@ public:
   /**
    * Of phases with any tensor: its numbers [Pa], with spaces between them, along the image's axes, in Voigt's order xx,
    * yy, zz, yz, xz, xy: the 21 of the upper triangle by rows, or of an orthotropic one C11 C12 C13 C22 C23 C33 C44 C55
-   * C66, or of a cubic one C11 C12 C44. Of pictures 6, those of the plane itself, or C11 C12 C22 C66.
+   * C66, or of a cubic one C11 C12 C44. Of pictures these too, or 6 of the plane itself, or C11 C12 C22
+   * C66.
    * @title Stiffness of phases by its numbers [Pa]
    * @group Materials
    * @columns Phase, Numbers

@@ -27,7 +27,7 @@ class StiffnessResult(StiffnessBase):
 
     def __init__(self, image, tensor, constants, directions) -> None:
         super().__init__(image, tensor, constants)
-        #: a closed surface, of a picture a line: Young's modulus by direction
+        #: a closed surface, of a picture a line: the elastic constants by direction
         self.vtk_directions = directions
 
     @property
@@ -42,6 +42,21 @@ class StiffnessResult(StiffnessBase):
         ("rest")."""
         axes = _arrays.numbers(self.vtk, "orthotropic_axes").reshape(3, 3)
         return {"stiffness": self._tensor("orthotropic_part"), "axes": axes, "rest": self._number("orthotropic_rest")}
+
+    @property
+    def by_direction(self) -> dict[str, dict[str, dict[str, Any]]]:
+        """Over all directions the "least" and the "most" of "young", "shear" [Pa] and "poisson", each with its "value", the
+        "direction" (unit vector, of a volume 3, of a picture 2 numbers), and of the last two the direction "across" it."""
+        axes = 3 if len(self.components) == 6 else 2
+        values = _arrays.numbers(self.vtk, "extremes")
+        along, across = (_arrays.numbers(self.vtk, name).reshape(-1, 3)[:, :axes] for name in ("extreme_directions", "extreme_across"))
+        found: dict[str, dict[str, dict[str, Any]]] = {}
+        for i, value in enumerate(values):
+            one = {"value": float(value), "direction": along[i]}
+            if i > 1:
+                one["across"] = across[i]
+            found.setdefault(("young", "shear", "poisson")[i // 2], {})["most" if i % 2 else "least"] = one
+        return found
 
     @property
     def hashin_shtrikman(self) -> dict[str, tuple[float, float]]:
@@ -68,7 +83,7 @@ class StiffnessResult(StiffnessBase):
     stress: Array = told("Of a load: z by y by x by 6, xx, yy, zz, xy, yz, xz [Pa] (a view).", by="_field")
 
     def save_directions(self, path: Path, overwrite: bool = False) -> str:
-        """Writes Young's modulus by direction as a .vtp file, whole or not at all."""
+        """Writes the elastic constants by direction as a .vtp file, whole or not at all."""
         return _files.save_poly_data(self.vtk_directions, path, overwrite)
 
 
