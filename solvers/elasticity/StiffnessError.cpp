@@ -67,7 +67,8 @@ StiffnessError sharedStiffnessError(std::span<const double> stiffness, std::span
   std::span<const double> coarser, int dimension, double zero, double mixed)
 {
   const std::size_t n = dimension == 3 ? 6 : 3;
-  const double longer = 1 + 8 * std::max(0.0, mixed - 0.25);
+  const double longer = 1 + 12 * std::max(0.0, mixed - 0.25);
+  const bool close = longer > 1; // then no number is better known than the worst one on the diagonal
   StiffnessError e;
   for (std::size_t i = 0; i < n * n; ++i)
   {
@@ -77,6 +78,8 @@ StiffnessError sharedStiffnessError(std::span<const double> stiffness, std::span
     e.components.push_back(longer * error.bar);
   }
   e.relative = largestOf(e, stiffness, n, zero);
+  for (std::size_t i = 0; close && i < n * n; ++i)
+    e.components[i] = std::max(e.components[i], e.relative * std::abs(stiffness[i]));
   const auto values = [&](std::span<const double> tensor)
   { return constantValues(elasticConstants(tensor, dimension, zero)); };
   const std::vector<double> own = values(stiffness);
@@ -89,6 +92,8 @@ StiffnessError sharedStiffnessError(std::span<const double> stiffness, std::span
     e.ofConstants.push_back(known
         ? longer * spacingError(own[c], larger[c], largest.empty() ? std::nullopt : std::optional(largest[c])).bar
         : std::numeric_limits<double>::quiet_NaN());
+    if (close)
+      e.ofConstants.back() = std::max(e.ofConstants.back(), e.relative * std::abs(own[c]));
   }
   keepLimit(e, dimension, zero);
   return e;

@@ -68,9 +68,8 @@ struct StiffnessErrorRule
 /// (lattice/SpacingError.h).
 /// @param coarser may be empty
 /// @param mixed   part of the voxels that hold some of both phases: where surfaces lie so close that these are more
-/// than
-///   a quarter, errors hardly fall from spacing to spacing, and bars are 1 + 8 (mixed − 1/4) times as long
-///   (docs/benchmarks/elements.md)
+///   than a quarter, errors hardly fall from spacing to spacing, and bars are 1 + 12 (mixed − 1/4) times as long,
+///   in relative terms at least the longest one of the diagonal (docs/benchmarks/elements.md)
 [[nodiscard]] StiffnessError sharedStiffnessError(std::span<const double> stiffness, std::span<const double> coarse,
   std::span<const double> coarser, int dimension, double zero, double mixed);
 
