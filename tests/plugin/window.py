@@ -151,7 +151,7 @@ with tempfile.TemporaryDirectory() as folder:
             process.wait(30)
     with open(inside("output.txt"), encoding="utf-8") as output:
         messages = output.read()
-    assert "Couldn't find" not in messages, messages[:2000]
+    assert "Couldn't find" not in messages and "Failed to locate" not in messages, messages[:2000]
     for entry in entries(log):
         print(entry)
     shown, again = runs(log, "fracture")
