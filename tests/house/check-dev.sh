@@ -36,12 +36,20 @@ expect "no root, no sudo" "$output" '^hint: as root: apt-get install --no-instal
 expect "no root, no sudo" "$output" '^exit 1$'
 [[ $(wc -l <<<"$output") == 3 ]] || expect "two lines and no more" "$output" '^$'
 
+# With the system's VTK: its packages, none of ParaView's, and nothing is removed for them.
+output=$(PRESET=vtk dev build)
+expect "the system's VTK" "$output" '^error: these packages are missing.*: .*libgtest-dev.*libvtk9-dev python3-vtk9$'
+! grep paraview <<<"$output" || expect "no ParaView beside the system's VTK" "$output" '^$'
+
 # With sudo that needs no password: it is used, and only for apt-get.
 # shellcheck disable=SC2016
 pretend sudo '[ "$1" = -n ] && exit 0; echo "$@" >> '"$work"'/asked; exit 0'
 pretend cmake 'exit 0'
 output=$(dev build)
 expect "sudo" "$(<"$work/asked")" '^env DEBIAN_FRONTEND=noninteractive apt-get .*install --yes --no-install-recommends .*cmake'
+! grep -e --no-remove "$work/asked" || expect "sudo" "$(<"$work/asked")" '^$'
+output=$(PRESET=vtk dev build)
+expect "the system's VTK" "$(tail -n 1 "$work/asked")" '^env DEBIAN_FRONTEND=noninteractive apt-get .* --no-remove$'
 rm "$work/asked"
 
 # Everything is there: neither root nor sudo is needed.

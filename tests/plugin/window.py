@@ -141,6 +141,8 @@ with tempfile.TemporaryDirectory() as folder:
             menu = screen(inside("screen/Xvfb_screen0"))
         except SystemExit:
             print(entries(log))
+            if len(sys.argv) > 4 and os.path.exists(inside("screen/Xvfb_screen0")):
+                image.imsave(sys.argv[5], screen(inside("screen/Xvfb_screen0")))
             with open(inside("output.txt"), encoding="utf-8") as said:
                 print(said.read()[-3000:])
             raise
@@ -149,7 +151,7 @@ with tempfile.TemporaryDirectory() as folder:
             process.wait(30)
     with open(inside("output.txt"), encoding="utf-8") as output:
         messages = output.read()
-    assert "Couldn't find" not in messages, messages[:2000]
+    assert "Couldn't find" not in messages and "Failed to locate" not in messages, messages[:2000]
     for entry in entries(log):
         print(entry)
     shown, again = runs(log, "fracture")

@@ -1,10 +1,11 @@
 # Every library we build with. One VTK a build (docs/architecture.md says why): the one inside ParaView, or with
 # LAMELLA_PARAVIEW=OFF the system's.
 
-# Before ParaView, whose package looks for HDF5 too, and what is found first stays: ParaView links the Open MPI build, and
-# two HDF5 in one program do not mix. Debian 13 brings the serial one's headers along with paraview-dev.
-set(HDF5_PREFER_PARALLEL ON)
 if(LAMELLA_PARAVIEW)
+  # Before ParaView, whose package looks for HDF5 too, and what is found first stays: ParaView links the Open MPI build, and
+  # two HDF5 in one program do not mix. Debian 13 brings the serial one's headers along with paraview-dev. (The system's VTK
+  # there links the serial one; with another VTK that does not: -DHDF5_PREFER_PARALLEL=ON.)
+  set(HDF5_PREFER_PARALLEL ON)
   include(LamellaParaView)
   find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore) # its VTK, which it puts into VTK_DIR
 endif()

@@ -27,7 +27,12 @@ if(LAMELLA_PARAVIEW)
 else()
   string(PREPEND CPACK_DEBIAN_PACKAGE_DEPENDS "python3-vtk9, ")
 endif()
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libosmesa6 | libegl1, libgl1-mesa-dri, libqt5svg5, mpi-default-bin")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "libosmesa6 | libegl1, libgl1-mesa-dri, mpi-default-bin")
+if(LAMELLA_PARAVIEW AND ParaView_VERSION VERSION_GREATER_EQUAL 5.12) # icons of its window, of Qt 6 there
+  string(APPEND CPACK_DEBIAN_PACKAGE_RECOMMENDS ", qt6-svg-plugins")
+elseif(LAMELLA_PARAVIEW)
+  string(APPEND CPACK_DEBIAN_PACKAGE_RECOMMENDS ", libqt5svg5")
+endif()
 
 # ParaView's list of plugins.
 set(_plugin "${CMAKE_INSTALL_LIBDIR}/lamella")

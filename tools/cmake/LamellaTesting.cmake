@@ -1,8 +1,9 @@
 # Tests: one function a form, so that labels, time limits and environment are the same everywhere.
 #
-#   lamella_add_gtest(NAME source... LABEL kind [LIBS lib...] [MPI] [RANKS n...] [TIMEOUT seconds] [ENVIRONMENT A=b...])
+#   lamella_add_gtest(NAME source... LABEL kind [LIBS lib...] [MPI] [RANKS n...] [WHOLE] [TIMEOUT seconds] [ENVIRONMENT A=b...])
 #     A GoogleTest program, one ctest test a case. MPI: with a main() that starts and ends MPI. RANKS: the whole
-#     program also runs under mpirun with each of these numbers of ranks, as NAME.ranks<n> (implies MPI).
+#     program also runs under mpirun with each of these numbers of ranks, as NAME.ranks<n> (implies MPI). WHOLE: all cases
+#     in one ctest test, for many short ones, each of which would begin with the half second that MPI takes to start.
 #
 #   lamella_add_test(NAME name LABEL kind COMMAND command... [RANKS n] [TIMEOUT seconds] [ENVIRONMENT A=b...]
 #                    [SKIP_RETURN_CODE n] [PASS_REGULAR_EXPRESSION re] [WILL_FAIL])
@@ -20,6 +21,7 @@ set(_lamella_test_environment
   OMP_WAIT_POLICY=PASSIVE
   OMPI_ALLOW_RUN_AS_ROOT=1
   OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
+  OMPI_MCA_ess_singleton_isolated=1 # one rank alone: Open MPI 4 starts a daemon beside it otherwise
   OMPI_MCA_mpi_yield_when_idle=1 # more ranks than idle cores would spin: minutes in place of seconds
   # containers refuse the system call, and Open MPI 4 and 5 then complain
   OMPI_MCA_btl_vader_single_copy_mechanism=none
@@ -78,7 +80,7 @@ function(lamella_build_fast target)
 endfunction()
 
 function(lamella_add_gtest NAME)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "MPI" "TIMEOUT" "LABEL;LIBS;RANKS;ENVIRONMENT")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "MPI;WHOLE" "TIMEOUT" "LABEL;LIBS;RANKS;ENVIRONMENT")
   set(sources ${arg_UNPARSED_ARGUMENTS})
   if(NOT sources OR NOT arg_LABEL)
     message(FATAL_ERROR "lamella_add_gtest(${NAME}): sources and a LABEL are needed")
@@ -95,13 +97,17 @@ function(lamella_add_gtest NAME)
   lamella_warnings(${NAME})
   lamella_build_fast(${NAME})
 
-  gtest_discover_tests(${NAME} NO_PRETTY_VALUES TEST_PREFIX "${NAME}." DISCOVERY_TIMEOUT 60 WORKING_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}" TEST_LIST ${NAME}_TESTS)
-  # Lists with semicolons do not pass through gtest_discover_tests' PROPERTIES; so they are set once ctest knows the cases.
   if(NOT arg_TIMEOUT)
     set(arg_TIMEOUT ${LAMELLA_TEST_TIMEOUT})
   endif()
-  set(script "${CMAKE_CURRENT_BINARY_DIR}/${NAME}_properties.cmake")
-  file(CONFIGURE OUTPUT "${script}" @ONLY CONTENT [=[
+  if(arg_WHOLE)
+    lamella_add_test(NAME ${NAME} LABEL "${arg_LABEL}" TIMEOUT ${arg_TIMEOUT} ENVIRONMENT ${arg_ENVIRONMENT}
+      COMMAND $<TARGET_FILE:${NAME}>)
+  else()
+    gtest_discover_tests(${NAME} NO_PRETTY_VALUES TEST_PREFIX "${NAME}." DISCOVERY_TIMEOUT 60 WORKING_DIRECTORY "${CMAKE_CURRENT_BINARY_DIR}" TEST_LIST ${NAME}_TESTS)
+    # Lists with semicolons do not pass through gtest_discover_tests' PROPERTIES; so they are set once ctest knows the cases.
+    set(script "${CMAKE_CURRENT_BINARY_DIR}/${NAME}_properties.cmake")
+    file(CONFIGURE OUTPUT "${script}" @ONLY CONTENT [=[
 if(@NAME@_TESTS)
   set_tests_properties(${@NAME@_TESTS} PROPERTIES
     LABELS "@arg_LABEL@" TIMEOUT "@arg_TIMEOUT@"
@@ -109,7 +115,8 @@ if(@NAME@_TESTS)
     ENVIRONMENT_MODIFICATION "DISPLAY=unset:;WAYLAND_DISPLAY=unset:")
 endif()
 ]=])
-  set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${script}")
+    set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${script}")
+  endif()
 
   foreach(ranks IN LISTS arg_RANKS)
     lamella_add_test(NAME ${NAME}.ranks${ranks} LABEL "${arg_LABEL}" TIMEOUT ${arg_TIMEOUT} RANKS ${ranks}

@@ -2,7 +2,7 @@
 only: pvplugin/NAME.xml. Of a base class such a file gives what its subclasses share.
 
     <Panel class="vtkX" menu="bonds" label="X" short="A line for the menu" long="For the help">
-      Text of the help; menu is a group of MENUS.
+      Text of the help; menu is a group of MENUS. name="Y": the proxy's, where X is one of ParaView's own.
       <Input data="vtkImageData" arrays="point 1">What is wanted.</Input>
       <Output>Name of a port</Output>
       <Array name="PhaseArray" index="0" default="phase" of="Scalars" group="Phases">An array of the input to choose.</Array>
@@ -82,7 +82,7 @@ class Panel:
         kind = layout.get("proxies") or ("filters" if self.each("Input") else "sources")
         group = ElementTree.SubElement(root, "ProxyGroup", name=kind)
         proxy = ElementTree.SubElement(group, "WriterProxy" if kind == "writers" else "SourceProxy", {
-            "class": self.name, "label": layout.get("label"), "name": self.name[3:]})
+            "class": self.name, "label": layout.get("label"), "name": layout.get("name", self.name[3:])})
         told = ElementTree.SubElement(proxy, "Documentation", short_help=layout.get("short"), long_help=layout.get("long"))
         told.text = " ".join(layout.text.split())
         for element in {element.get("name", "Input"): element for element in self.each("Input")}.values():
