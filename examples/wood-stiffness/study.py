@@ -90,7 +90,7 @@ def main():
     parser.add_argument("--threads", type=int, default=2, help="(default: %(default)s)")
     options = parser.parse_args()
     os.makedirs(options.output, exist_ok=True)
-    real = list(pressed.REAL) if "LAMELLA_REAL_DATA" in os.environ else []
+    real = list(pressed.REAL) if os.environ.get("LAMELLA_REAL_DATA") else []
     rows = []
     for name in (*pressed.GENERATED, *real):
         rows += compared(name, options)

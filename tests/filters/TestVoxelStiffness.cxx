@@ -426,6 +426,7 @@ TEST_F(VoxelStiffness, AcrossThePlaneOfALaminate)
 
   const auto grey = picture(
     8, 4, 1, [](int, int, int) { return 100; }, 1e-5);
+  grey->GetFieldData()->Initialize(); // greys have no names
   for (const int plane : { vtkVoxelStiffness::PLANE_STRESS, vtkVoxelStiffness::PLANE_STRAIN })
   {
     vtkNew<vtkVoxelStiffness> half;
