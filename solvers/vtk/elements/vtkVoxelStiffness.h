@@ -349,7 +349,6 @@ protected:
   int RequestData(vtkInformation*, vtkInformationVector**, vtkInformationVector*) override;
 
 private:
-
   struct Internals;
   void Run(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
 
