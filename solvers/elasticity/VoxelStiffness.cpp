@@ -7,6 +7,7 @@
 #include "core/Together.h"
 #include "elasticity/ElasticSystem.h"
 #include "elasticity/SharedVoxels.h"
+#include "lattice/SpacingError.h"
 #include "lattice/Subsample.h"
 #include "pores/PoreLabelling.h"
 
@@ -883,7 +884,7 @@ private:
       }
       r.error = sharedStiffnessError(r.stiffness, found.front(),
         found.size() > 1 ? std::span<const double>(found[1]) : std::span<const double>(), D,
-        leastStiffness(options_.tolerance), mixedShare());
+        leastStiffness(options_.tolerance), mixedPart(phase_, options_.shares));
       return;
     }
     std::vector<SubsampleTensors> tensors;
@@ -900,15 +901,6 @@ private:
         r, thinning.stride, starts.size(), [&](std::size_t i) { return thinned(thinning, starts[i]); }, done, all));
     }
     r.error = stiffnessError(r.stiffness, tensors, D, { .zero = leastStiffness(options_.tolerance) });
-  }
-
-  // Of the voxels, those that hold some of both phases.
-  [[nodiscard]] double mixedShare() const
-  {
-    constexpr double least = 0.02;
-    const auto count = std::ranges::count_if(
-      phase_, [&](std::uint8_t id) { return options_.shares[id] > least && options_.shares[id] < 1 - least; });
-    return static_cast<double>(count) / static_cast<double>(phase_.size());
   }
 
   // Solves coarser pictures of one kind; small ones side by side, one thread or rank each.

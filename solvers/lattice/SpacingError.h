@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
+#include <span>
 
 namespace lamella
 {
@@ -17,5 +19,9 @@ struct SpacingError
 };
 
 [[nodiscard]] SpacingError spacingError(double fine, double coarse, std::optional<double> coarser);
+
+/// The part of the voxels that hold some of both phases, at least 2 %, by their ids' shares of the second: where it is
+/// large, surfaces lie so close that spacings hardly tell them apart.
+[[nodiscard]] double mixedPart(std::span<const std::uint8_t> ids, std::span<const double> shares);
 
 } // namespace lamella

@@ -67,7 +67,6 @@ constexpr std::int64_t fewestAcross = 3;
 constexpr double farLess = 0.25;
 constexpr double someLess = 0.7;
 constexpr double nearlyFull = 0.98;
-constexpr double leastMixed = 0.02;
 constexpr double mostlyMixed = 0.3; // surfaces lie so close that coarser nodes hardly tell them apart
 
 std::vector<double> evenShares()
@@ -168,7 +167,7 @@ public:
         rule = AcrossSurface::Series;
       if (rule == AcrossSurface::Series || !filled)
         doubt = 0.75 * between; // it halves with the spacing, about
-      if (mixed(image, share) > mostlyMixed)
+      if (mixedPart(image.phase, share) > mostlyMixed)
         doubt = 1.5 * between;
     }
     const auto before = std::exchange(answer.steps, {});
@@ -197,13 +196,6 @@ public:
   }
 
 private:
-  // The part of the nodes of which both phases have some.
-  static double mixed(const PhaseImage& image, std::span<const double> share)
-  {
-    const auto count = std::ranges::count_if(
-      image.phase, [&](std::uint8_t id) { return share[id] > leastMixed && share[id] < 1 - leastMixed; });
-    return static_cast<double>(count) / static_cast<double>(image.phase.size());
-  }
   // Without a rest, or leaving the last nodes of odd sides out; half of them have to tell something.
   static bool canHalve(const Lattice& lattice, bool whole)
   {

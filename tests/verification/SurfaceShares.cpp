@@ -110,6 +110,22 @@ TEST(SurfaceShares, SpheresComeNearerAndCanBeExtrapolated)
   }
 }
 
+// A sphere of a contrast, by its shares.
+lbm::DiffusionAnswer studied(std::int64_t n, double fraction, double contrast)
+{
+  PhaseImage image;
+  image.lattice = makeLattice(n, n, n, 3, 1.0);
+  for (const double s : sphereShares(n, fraction))
+    image.phase.push_back(static_cast<std::uint8_t>(std::lround(s * (levels - 1))));
+  lbm::StudyOptions o;
+  o.axes = { 0 };
+  o.steady.stencil = lbm::Stencil::D3Q7;
+  o.steady.sides = lbm::Sides::Mixed;
+  o.steady.tolerance = 1e-7;
+  o.steady.fieldTolerance = std::numeric_limits<double>::infinity();
+  return lbm::studyShares(image, shareById(), 1, contrast, o, MPI_COMM_SELF).front();
+}
+
 TEST(SurfaceShares, ThreeSizesExtrapolateTo1e3AndTheBarHolds)
 {
   // truths as above; measured: 0.07 % at 0.3, 1000, else 0.03 % at most. Of the first two sizes alone it was 0.14 %.
@@ -120,17 +136,7 @@ TEST(SurfaceShares, ThreeSizesExtrapolateTo1e3AndTheBarHolds)
   for (const Case& c : { Case{ 0.4, 0.001, 0.490777 }, Case{ 0.4, 0.1, 0.554625 }, Case{ 0.4, 10, 2.364431 },
          Case{ 0.3, 1000, 2.326866 } })
   {
-    PhaseImage image;
-    image.lattice = makeLattice(64, 64, 64, 3, 1.0);
-    for (const double s : sphereShares(64, c.fraction))
-      image.phase.push_back(static_cast<std::uint8_t>(std::lround(s * (levels - 1))));
-    lbm::StudyOptions o;
-    o.axes = { 0 };
-    o.steady.stencil = lbm::Stencil::D3Q7;
-    o.steady.sides = lbm::Sides::Mixed;
-    o.steady.tolerance = 1e-7;
-    o.steady.fieldTolerance = std::numeric_limits<double>::infinity();
-    const auto answer = lbm::studyShares(image, shareById(), 1, c.contrast, o, MPI_COMM_SELF).front();
+    const auto answer = studied(64, c.fraction, c.contrast);
     EXPECT_NEAR(answer.error.extrapolated, c.exact, 1e-3 * c.exact) << c.fraction << " " << c.contrast;
     EXPECT_NEAR(answer.result.effective[0], c.exact, answer.error.relative * c.exact) << c.contrast;
   }
@@ -143,17 +149,7 @@ TEST(SurfaceShares, SpheresThatNearlyTouchAreMetHeadOn)
   const double exact = 3.144558;
   for (const std::int64_t n : { 32, 64 })
   {
-    PhaseImage image;
-    image.lattice = makeLattice(n, n, n, 3, 1.0);
-    for (const double s : sphereShares(n, 0.5))
-      image.phase.push_back(static_cast<std::uint8_t>(std::lround(s * (levels - 1))));
-    lbm::StudyOptions o;
-    o.axes = { 0 };
-    o.steady.stencil = lbm::Stencil::D3Q7;
-    o.steady.sides = lbm::Sides::Mixed;
-    o.steady.tolerance = 1e-7;
-    o.steady.fieldTolerance = std::numeric_limits<double>::infinity();
-    const auto answer = lbm::studyShares(image, shareById(), 1, 10, o, MPI_COMM_SELF).front();
+    const auto answer = studied(n, 0.5, 10);
     EXPECT_NEAR(answer.result.effective[0], exact, 0.04 * exact) << n; // measured: 2.8 and 0.04 %
     EXPECT_NEAR(answer.result.effective[0], exact, answer.error.relative * exact) << n;
   }
