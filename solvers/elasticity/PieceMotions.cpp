@@ -8,6 +8,21 @@
 
 namespace lamella::elasticity
 {
+namespace
+{
+
+// Copies of a periodic box in one number, 10 bits an axis; 0: none is told.
+constexpr std::int32_t imageStep(int axis)
+{
+  return 1 << (10 * axis);
+}
+constexpr std::int32_t firstImage = 512 * (imageStep(0) + imageStep(1) + imageStep(2));
+constexpr int imageOf(std::int32_t code, int axis)
+{
+  return (code >> (10 * axis) & 1023) - 512;
+}
+
+} // namespace
 
 template <int D>
 typename PieceMotions<D>::Affine PieceMotions<D>::affineOf(const Motions& rigid)
@@ -78,8 +93,11 @@ PieceMotions<D>::PieceMotions(const ElasticGrid<D>& grid, std::span<const std::u
   }
   std::vector<std::int32_t> labels(phase.size());
   labelling.labels(labels);
+  Images images;
+  labelImages(images, labels);
   const std::int64_t nx = grid_.nodes(0);
   std::vector<std::int32_t> owner(static_cast<std::size_t>(nx));
+  std::vector<std::int32_t> image(static_cast<std::size_t>(nx));
   begin_.push_back(0);
   for (std::int64_t k = 0; k < grid_.planes(); ++k)
     for (std::int64_t j = 0; j < grid_.rows(); ++j)
@@ -97,13 +115,25 @@ PieceMotions<D>::PieceMotions(const ElasticGrid<D>& grid, std::span<const std::u
         const std::int64_t plane = beside(k, D == 3 ? side >> 1 : side, grid_.elements[D - 1], grid_.periodic[D - 1]);
         if (row < 0 || plane < 0)
           continue;
-        const std::int32_t* const from = labels.data() + grid_.elements[0] * (row + grid_.elementRows() * plane);
+        const std::int64_t begin = grid_.elements[0] * (row + grid_.elementRows() * plane);
+        const std::int32_t* const from = labels.data() + begin;
         for (std::int64_t i = 0; i < grid_.elements[0]; ++i)
-          if (from[i] > 0 && static_cast<std::size_t>(from[i]) <= pieces_.size())
-          {
-            owner[static_cast<std::size_t>(i)] = from[i] - 1;
-            owner[static_cast<std::size_t>(i + 1 == nx ? 0 : i + 1)] = from[i] - 1;
-          }
+        {
+          if (from[i] <= 0 || static_cast<std::size_t>(from[i]) > pieces_.size())
+            continue;
+          const std::int64_t next = i + 1 == nx ? 0 : i + 1;
+          owner[static_cast<std::size_t>(i)] = owner[static_cast<std::size_t>(next)] = from[i] - 1;
+          if (images.code.empty() || !images.along[static_cast<std::size_t>(from[i] - 1)])
+            continue;
+          // a first node that is its upper one is a node of the next copy
+          std::int32_t code = images.code[static_cast<std::size_t>(begin + i)];
+          if (D == 3 && row > j)
+            code += imageStep(1);
+          if (plane > k)
+            code += imageStep(D - 1);
+          image[static_cast<std::size_t>(i)] = code;
+          image[static_cast<std::size_t>(next)] = code + (next == 0 ? imageStep(0) : 0);
+        }
       }
       for (int c = 0; c < D; ++c)
         grid_.forHeld(j, k, c,
@@ -117,10 +147,16 @@ PieceMotions<D>::PieceMotions(const ElasticGrid<D>& grid, std::span<const std::u
         const std::int32_t o = owner[static_cast<std::size_t>(i)];
         if (o < 0)
           continue;
+        const bool several = !images.code.empty() && images.along[static_cast<std::size_t>(o)];
         const bool goesOn = i > 0 && owner[static_cast<std::size_t>(i - 1)] == o &&
-          static_cast<double>(i) != pieces_[static_cast<std::size_t>(o)].low[0];
+          (several ? image[static_cast<std::size_t>(i)] == image[static_cast<std::size_t>(i - 1)]
+                   : static_cast<double>(i) != pieces_[static_cast<std::size_t>(o)].low[0]);
         if (!goesOn)
+        {
           runs_.push_back({ o, static_cast<std::int32_t>(i), 0, 0 });
+          if (!images.code.empty())
+            images_.push_back(several ? image[static_cast<std::size_t>(i)] : 0);
+        }
         ++runs_.back().count;
       }
       begin_.push_back(runs_.size());
@@ -146,21 +182,96 @@ PieceMotions<D>::PieceMotions(const ElasticGrid<D>& grid, std::span<const std::u
 }
 
 template <int D>
+void PieceMotions<D>::labelImages(Images& images, std::span<const std::int32_t> labels)
+{
+  images.along.assign(pieces_.size(), false);
+  bool any = false;
+  for (std::size_t p = 0; p < pieces_.size(); ++p)
+    for (std::size_t a = 0; a < D && !pieces_[p].endless; ++a)
+      if (grid_.periodic[a] && 2 * pieces_[p].centre[a] >= edge_[a] * static_cast<double>(grid_.elements[a]))
+        images.along[p] = any = true;
+  if (!any)
+    return;
+  images.code.assign(labels.size(), 0);
+  std::vector<std::array<std::int64_t, D>> low(pieces_.size());
+  std::vector<std::array<std::int64_t, D>> high(pieces_.size());
+  std::vector<std::int64_t> open;
+  for (std::size_t first = 0; first < labels.size(); ++first)
+  {
+    const std::int32_t label = labels[first];
+    const auto p = static_cast<std::size_t>(label - 1);
+    if (label <= 0 || p >= pieces_.size() || !images.along[p] || images.code[first] != 0)
+      continue;
+    low[p].fill(std::numeric_limits<std::int64_t>::max());
+    high[p].fill(std::numeric_limits<std::int64_t>::min());
+    images.code[first] = firstImage;
+    open.assign(1, static_cast<std::int64_t>(first));
+    while (!open.empty())
+    {
+      const std::int64_t at = open.back();
+      open.pop_back();
+      std::array<std::int64_t, D> voxel{};
+      std::int64_t rest = at;
+      for (std::size_t a = 0; a < D; ++a)
+      {
+        voxel[a] = rest % grid_.elements[a];
+        rest /= grid_.elements[a];
+        const std::int64_t place =
+          voxel[a] + grid_.elements[a] * imageOf(images.code[static_cast<std::size_t>(at)], static_cast<int>(a));
+        low[p][a] = std::min(low[p][a], place);
+        high[p][a] = std::max(high[p][a], place);
+      }
+      for (int k = 0; k < (D == 3 ? 27 : 9); ++k)
+      {
+        std::int32_t code = images.code[static_cast<std::size_t>(at)];
+        std::int64_t to = 0;
+        std::int64_t stride = 1;
+        bool outside = false;
+        for (int a = 0, digits = k; a < D; ++a, digits /= 3)
+        {
+          const std::int64_t n = grid_.elements[static_cast<std::size_t>(a)];
+          std::int64_t v = voxel[static_cast<std::size_t>(a)] + digits % 3 - 1;
+          const int beyond = v < 0 ? -1 : v == n ? 1 : 0;
+          outside = outside || (beyond != 0 && !grid_.periodic[static_cast<std::size_t>(a)]);
+          v -= beyond * n;
+          code += beyond * imageStep(a);
+          to += stride * v;
+          stride *= n;
+        }
+        if (outside || labels[static_cast<std::size_t>(to)] != label || images.code[static_cast<std::size_t>(to)] != 0)
+          continue;
+        images.code[static_cast<std::size_t>(to)] = code;
+        open.push_back(to);
+      }
+    }
+    for (std::size_t a = 0; a < D; ++a)
+    {
+      pieces_[p].low[a] = static_cast<double>(low[p][a]);
+      pieces_[p].centre[a] = 0.5 * edge_[a] * static_cast<double>(high[p][a] - low[p][a] + 1);
+    }
+  }
+}
+
+template <int D>
 std::size_t PieceMotions<D>::bytes() const noexcept
 {
-  return runs_.size() * sizeof(Run) + begin_.size() * sizeof(begin_[0]) + pieces_.size() * sizeof(Piece);
+  return runs_.size() * sizeof(Run) + images_.size() * sizeof(images_[0]) + begin_.size() * sizeof(begin_[0]) +
+    pieces_.size() * sizeof(Piece);
 }
 
 template <int D>
 Eigen::Matrix<double, D, 1> PieceMotions<D>::fromCentre(
-  const Piece& piece, const std::array<std::int64_t, D>& node) const
+  std::int32_t owner, const std::array<std::int64_t, D>& node) const
 {
+  const auto run = static_cast<std::size_t>(owner);
+  const Piece& piece = pieces_[static_cast<std::size_t>(runs_[run].piece)];
+  const std::int32_t image = images_.empty() ? 0 : images_[run];
   Eigen::Matrix<double, D, 1> d;
   for (std::size_t a = 0; a < D; ++a)
   {
     double n = static_cast<double>(node[a]) - piece.low[a];
-    if (n < 0 && grid_.periodic[a])
-      n += static_cast<double>(grid_.elements[a]);
+    if (image != 0 || (n < 0 && grid_.periodic[a]))
+      n += static_cast<double>(grid_.elements[a]) * (image == 0 ? 1 : imageOf(image, static_cast<int>(a)));
     d(static_cast<Eigen::Index>(a)) = n * edge_[a] - piece.centre[a];
   }
   return d;
@@ -188,7 +299,7 @@ void PieceMotions<D>::forRunsOfRow(std::int64_t j, std::int64_t plane, F&& f) co
     node[D - 1] = plane;
     if constexpr (D == 3)
       node[1] = j;
-    f(run, grid_.at(j, plane) + run.first, fromCentre(pieces_[static_cast<std::size_t>(run.piece)], node));
+    f(run, grid_.at(j, plane) + run.first, fromCentre(static_cast<std::int32_t>(r), node));
   }
 }
 
@@ -323,7 +434,7 @@ std::vector<std::int32_t> PieceMotions<D>::owners() const
   for (std::size_t row = 0; row + 1 < begin_.size(); ++row)
     for (std::size_t r = begin_[row]; r < begin_[row + 1]; ++r)
       std::fill_n(owner.begin() + static_cast<std::int64_t>(row) * grid_.nodes(0) + runs_[r].first, runs_[r].count,
-        runs_[r].piece);
+        static_cast<std::int32_t>(r));
   return owner;
 }
 

@@ -17,7 +17,7 @@ namespace lamella::elasticity
 ///
 /// Every rank knows all pieces; forces and displacements are those of the planes that it has.
 ///
-/// Memory: 16 bytes a run of nodes along x.
+/// Memory: 16 bytes a run of nodes along x, 4 more where some piece is as long as the periodic box.
 template <int D>
 class PieceMotions
 {
@@ -28,7 +28,7 @@ public:
 
   struct Piece
   {
-    std::array<double, D> low{};    ///< its first node along each axis
+    std::array<double, D> low{};    ///< its first node along each axis; below 0 of some that are longer than the box
     std::array<double, D> centre{}; ///< from there on [edges of a voxel along x]
     bool endless = false;           ///< meets itself again
     bool held = false;              ///< has nodes that sides hold
@@ -79,11 +79,12 @@ public:
   /// Displacements of the pieces' nodes, instead of those that u has, or added to them; held ones excepted.
   template <class Real>
   void place(std::span<const Affine> motion, bool add, int threads, Real* u) const;
-  /// Number of the piece of each node of its own, x fastest; −1: of none.
+  /// Of each node of its own, x fastest: the place among all of the run that has it; −1: of no piece.
   [[nodiscard]] std::vector<std::int32_t> owners() const;
-  /// d of a node, nodes beyond the last of a periodic axis being the first ones.
+  [[nodiscard]] std::int32_t pieceOf(std::int32_t owner) const { return runs_[static_cast<std::size_t>(owner)].piece; }
+  /// d of an owner's node, nodes beyond the last of a periodic axis being the first ones.
   [[nodiscard]] Eigen::Matrix<double, D, 1> fromCentre(
-    const Piece& piece, const std::array<std::int64_t, D>& node) const;
+    std::int32_t owner, const std::array<std::int64_t, D>& node) const;
 
 private:
   // Nodes of one piece that follow each other along x, all of them on one side of the piece's first node.
@@ -94,6 +95,14 @@ private:
     std::int32_t count = 0;
     std::int32_t local = 0; ///< place of the piece in its plane's list
   };
+  // Of pieces as long as the periodic box, whose nodes' places do not tell them apart from their neighbours' copies: by
+  // voxel of the box the one that it is, counted from the piece's first.
+  struct Images
+  {
+    std::vector<bool> along;        ///< by piece: it has some
+    std::vector<std::int32_t> code; ///< by voxel, 0: of no such piece; empty: there is none
+  };
+  void labelImages(Images& images, std::span<const std::int32_t> labels);
   template <class F>
   void forRuns(std::int64_t plane, F&& f) const;
   template <class F>
@@ -106,6 +115,7 @@ private:
   std::array<double, D> edge_{};
   std::vector<Piece> pieces_;
   std::vector<Run> runs_;
+  std::vector<std::int32_t> images_;             ///< by run, as Images::code; empty: all 0
   std::vector<std::size_t> begin_;               ///< of the runs of each row of nodes
   std::vector<std::vector<std::int32_t>> lists_; ///< the pieces of each plane
 };

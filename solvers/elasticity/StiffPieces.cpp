@@ -29,12 +29,12 @@ StiffPieces<D>::StiffPieces(const ElasticGrid<D>& grid, std::span<const std::uin
   }
   first_.push_back(unknowns);
   if (pieces() > 1)
-    assemble(phase, element);
+    assemble(phase, stiff, element);
 }
 
 template <int D>
-void StiffPieces<D>::assemble(
-  std::span<const std::uint8_t> phase, const std::function<ElementMatrix(std::uint8_t)>& element)
+void StiffPieces<D>::assemble(std::span<const std::uint8_t> phase, const std::vector<bool>& stiff,
+  const std::function<ElementMatrix(std::uint8_t)>& element)
 {
   using Moved = Eigen::Matrix<double, D * corners, bodyMotions>;
   using Block = Eigen::Matrix<double, bodyMotions, bodyMotions>;
@@ -51,6 +51,7 @@ void StiffPieces<D>::assemble(
       {
         std::array<std::array<std::int64_t, D>, corners> node{};
         std::array<std::int32_t, corners> owner{};
+        std::array<std::int32_t, corners> piece{};
         for (int k = 0; k < corners; ++k)
         {
           auto& n = node[static_cast<std::size_t>(k)];
@@ -62,15 +63,17 @@ void StiffPieces<D>::assemble(
             n[2] = around(z + (k >> 2), 2);
             at += grid_.nodes(0) * grid_.nodes(1) * n[2];
           }
-          owner[static_cast<std::size_t>(k)] = owners[static_cast<std::size_t>(at)];
+          const std::int32_t o = owner[static_cast<std::size_t>(k)] = owners[static_cast<std::size_t>(at)];
+          piece[static_cast<std::size_t>(k)] = o < 0 ? -1 : motion_.pieceOf(o);
         }
-        // what moves as a body does not strain
-        if (std::ranges::all_of(owner, [&](std::int32_t o) { return o == owner[0]; }))
+        // what moves as a body does not strain; a soft element may lie between a piece and the piece's own next copy
+        if (std::ranges::all_of(piece, [&](std::int32_t p) { return p == piece[0]; }) &&
+          (piece[0] < 0 || stiff[phase[i]]))
           continue;
         auto found = matrices.find(phase[i]);
         if (found == matrices.end())
           found = matrices.emplace(phase[i], element(phase[i])).first;
-        std::array<std::int32_t, corners> distinct = owner;
+        std::array<std::int32_t, corners> distinct = piece;
         std::ranges::sort(distinct);
         const auto end = std::unique(distinct.begin(), distinct.end());
         std::array<Moved, corners> moved;
@@ -84,10 +87,9 @@ void StiffPieces<D>::assemble(
           m.setZero();
           for (int k = 0; k < corners; ++k)
           {
-            if (owner[static_cast<std::size_t>(k)] != *p)
+            if (piece[static_cast<std::size_t>(k)] != *p)
               continue;
-            const auto d =
-              motion_.fromCentre(motion_.pieces()[static_cast<std::size_t>(*p)], node[static_cast<std::size_t>(k)]);
+            const auto d = motion_.fromCentre(owner[static_cast<std::size_t>(k)], node[static_cast<std::size_t>(k)]);
             for (int motion = 0; motion < motionsOf(static_cast<std::size_t>(*p)); ++motion)
             {
               const auto affine = PieceMotions<D>::affineOf(PieceMotions<D>::Motions::Unit(motion));

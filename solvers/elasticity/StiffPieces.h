@@ -44,7 +44,8 @@ public:
   [[nodiscard]] std::size_t bytes() const noexcept { return motion_.bytes(); }
 
 private:
-  void assemble(std::span<const std::uint8_t> phase, const std::function<ElementMatrix(std::uint8_t)>& element);
+  void assemble(std::span<const std::uint8_t> phase, const std::vector<bool>& stiff,
+    const std::function<ElementMatrix(std::uint8_t)>& element);
   /// How many motions of a piece are used: shifts alone where it meets itself again.
   [[nodiscard]] int motionsOf(std::size_t piece) const { return motion_.pieces()[piece].endless ? D : bodyMotions; }
 

@@ -725,6 +725,41 @@ TEST(Elasticity, RigidPhasesAreTheLimit)
   EXPECT_THROW(ElasticSystem<2>(endless, {}), ParameterError);
 }
 
+// A bar that is longer than the periodic box passes itself by: its nodes' places do not tell which end they are of. A
+// block lies beside it.
+template <int D>
+void checkLongBar(
+  std::array<std::int64_t, D> size, const ElasticLaw<D>& soft, const ElasticLaw<D>& stiff, const ElasticLaw<D>& hard)
+{
+  Sample<D> sample(size);
+  sample.fill(
+    [](const auto& at)
+    {
+      return D == 3 ? at[0] < 2 && at[1] < 2 && (at[D - 1] + 4) / 2 == 3
+                    : at[0] > 3 && at[0] < 8 && at[1] > 9 && at[1] < 13;
+    });
+  const std::int64_t nx = sample.size[0];
+  for (std::int64_t i = 0; i < nx + nx / 3; ++i)
+    for (std::int64_t k = 0; k < (D == 3 ? 3 : 1); ++k) // over the seam across z
+      for (const std::int64_t up : { 1, 2 })
+        sample.phase[static_cast<std::size_t>(
+          i % nx + nx * (up + 4 * i / nx + (D == 3 ? sample.size[1] * ((k + 6) % 7) : 0)))] = 1;
+  auto p = problemOf<D>(sample, { soft, stiff });
+  const Eigen::MatrixXd exact = dense(p);
+  EXPECT_LT((solved(p, 1e-9) - exact).norm(), 1e-6 * exact.norm());
+  p.laws[1] = hard;
+  const Eigen::MatrixXd limit = dense(p);
+  p.laws[1] = {};
+  p.laws[1].rigid = true;
+  EXPECT_LT((solved(p, 1e-9) - limit).norm(), 3e-6 * limit.norm());
+}
+
+TEST(Elasticity, BarsLongerThanTheBox)
+{
+  checkLongBar<2>({ 12, 14 }, planeStress(1, 0.3), planeStress(100, 0.3), planeStress(1e7, 0.3));
+  checkLongBar<3>({ 6, 8, 7 }, inSpace(1, 0.3), inSpace(100, 0.3), inSpace(1e7, 0.3));
+}
+
 // Stiff blocks between soft walls at any contrast: beyond 1e5 they are taken as rigid, and what that errs by is told.
 TEST(VoxelStiffness, StiffBlocksAtAnyContrast)
 {
