@@ -151,12 +151,19 @@ std::vector<bool> FindSolid(vtkDataSet* data)
   return count == 0 || count == solid.size() ? std::vector<bool>{} : solid;
 }
 
-Scale FindScale(vtkDataSet* data, double spacing)
+std::optional<Scale> FindScale(vtkDataSet* data, double spacing)
 {
-  auto* source = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray("pixel_size_source"));
+  const auto text = [&](const char* name) -> std::string
+  {
+    auto* array = vtkStringArray::SafeDownCast(data->GetFieldData()->GetAbstractArray(name));
+    return array && array->GetNumberOfValues() > 0 ? array->GetValue(0) : std::string();
+  };
+  if (text("length_unit") == "1")
+    return std::nullopt;
   // A pixel of a metre is one whose size nobody gave.
-  const bool unknown = source && source->GetNumberOfValues() > 0 ? source->GetValue(0) == "none" : spacing == 1;
-  return unknown ? Scale{ 1 / spacing, false } : Scale{ 1, true };
+  const std::string source = text("pixel_size_source");
+  const bool unknown = source.empty() ? spacing == 1 : source == "none";
+  return unknown ? Scale{ spacing > 0 ? 1 / spacing : 1, false } : Scale{ 1, true };
 }
 
 } // namespace lamella::rendering

@@ -4,6 +4,7 @@
 #include "Quantity.h"
 #include "SnapshotOptions.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -36,7 +37,8 @@ namespace lamella::rendering
 /// Which points are not void, from the array `phase`; empty without one or when all points are alike.
 [[nodiscard]] std::vector<bool> FindSolid(vtkDataSet* data);
 
-/// Metres for one unit of the data's coordinates, or pixels.
-[[nodiscard]] Scale FindScale(vtkDataSet* data, double spacing);
+/// Metres for one unit of the data's coordinates, or pixels; none where coordinates are no lengths (field data
+/// `length_unit`: "1"). @param spacing of a picture's pixels; 0: what is drawn has none
+[[nodiscard]] std::optional<Scale> FindScale(vtkDataSet* data, double spacing);
 
 } // namespace lamella::rendering

@@ -168,7 +168,7 @@ Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
   Furniture furniture = field ? Describe(*field, options) : Furniture{ options.title, {}, {}, {} };
   if (forces && options.showLegend && LargestForce(options.overlayLines) > 0)
     furniture.legend.push_back(DescribeForces(options.overlayLines));
-  const Scale scale = FindScale(geometry, 0);
+  const std::optional<Scale> scale = FindScale(geometry, 0);
   if (options.showScaleBar && isFlat)
     furniture.scale = scale;
   const Layout layout = ArrangeOrThrow(furniture, view.Width(), view.Height(), false, options);
@@ -207,8 +207,8 @@ Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
   if (!Draw(renderer, layout.data.width, layout.data.height, LargeTiles, true, pixels, whyNot))
     throw InputError(whyNot, "lines and surfaces need OpenGL");
   drawing.canvas.Blend(layout.data, pixels);
-  if (options.showScaleBar && !isFlat)
-    view.DrawScaleBar(drawing.canvas, layout, scale, ink);
+  if (options.showScaleBar && scale && !isFlat)
+    view.DrawScaleBar(drawing.canvas, layout, *scale, ink);
   DrawFurniture(drawing.canvas, furniture, layout, ink, false);
   return drawing;
 }

@@ -265,7 +265,8 @@ public:
     if (this->Options.showScaleBar)
     {
       furniture.scale = FindScale(this->Image, this->InPlane.spacing[0]);
-      furniture.scale->lengthPerUnit *= this->InPlane.spacing[0];
+      if (furniture.scale)
+        furniture.scale->lengthPerUnit *= this->InPlane.spacing[0];
     }
     const double aspect = this->InPlane.spacing[1] / this->InPlane.spacing[0];
     const Layout layout =

@@ -184,8 +184,8 @@ Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
   if (!Draw(renderer, layout.data.width, layout.data.height, LargeTiles, true, pixels, whyNot))
     throw InputError(whyNot, "volumes need OpenGL");
   drawing.canvas.Blend(layout.data, pixels);
-  if (options.showScaleBar)
-    view.DrawScaleBar(drawing.canvas, layout, FindScale(image, block.spacing[0]), ink);
+  if (const auto scale = FindScale(image, block.spacing[0]); scale && options.showScaleBar)
+    view.DrawScaleBar(drawing.canvas, layout, *scale, ink);
   DrawFurniture(drawing.canvas, furniture, layout, ink, false);
   return drawing;
 }

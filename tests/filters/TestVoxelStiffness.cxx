@@ -98,6 +98,7 @@ TEST_F(VoxelStiffness, IsTheSolver)
     // Young's modulus along x and y, by direction
     vtkPolyData* const directions = filter->GetDirections();
     ASSERT_GT(directions->GetNumberOfPoints(), 300);
+    EXPECT_EQ(fieldText(directions, "length_unit"), "1");
     auto* const modulus = directions->GetPointData()->GetArray("youngs_modulus");
     double nearest = 0;
     double found = 0;

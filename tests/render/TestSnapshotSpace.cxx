@@ -8,8 +8,10 @@
 
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
+#include <vtkFieldData.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
+#include <vtkStringArray.h>
 
 #include <gtest/gtest.h>
 
@@ -172,4 +174,20 @@ TEST_F(SnapshotSpace, SurfacesWithoutArraysAreDrawnPlain)
   vtkImageData* picture = this->draw(surface);
   ASSERT_NE(picture, nullptr);
   EXPECT_GE(pixels::distinctColors(picture, this->data()), 4U);
+
+  // A scale bar in metres, in pixels of a picture whose size nobody gave, and none where coordinates are no lengths.
+  const pixels::Rect r = this->data();
+  const auto inked = [&](const char* name, const char* text)
+  {
+    vtkNew<vtkStringArray> words;
+    words->SetName(name);
+    words->InsertNextValue(text);
+    surface->GetFieldData()->Initialize();
+    surface->GetFieldData()->AddArray(words);
+    this->Snapshot->Modified();
+    return pixels::shareOf(this->draw(surface), r, Rgb{ 28, 28, 30 });
+  };
+  const double bare = inked("length_unit", "1");
+  EXPECT_GT(inked("length_unit", "m"), bare + 1e-4);
+  EXPECT_GT(inked("pixel_size_source", "none"), bare + 1e-4);
 }

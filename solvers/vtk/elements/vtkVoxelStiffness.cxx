@@ -534,4 +534,5 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
     vtkWarningMacro(<< warning);
   for (vtkDataObject* const data : std::initializer_list<vtkDataObject*>{ tensor, constants, directions })
     data->GetFieldData()->ShallowCopy(output->GetFieldData());
+  lamella::setFieldText(directions, "length_unit", "1"); // its coordinates are no lengths
 }
