@@ -1,7 +1,5 @@
 #include "elasticity/ElasticMultigrid.h"
 
-#include "elasticity/ElasticSweep.h"
-
 #include <cmath>
 #include <numbers>
 
@@ -208,6 +206,8 @@ bool ElasticMultigrid<D>::coarsen()
               out[fine.halved[0] ? i / 2 : i] += factor * in[i];
           }
         }
+      if (options_.hillBulk)
+        setHillBulk(fine, to, plane, static_cast<double>(factor), buffer, *moduli);
     }
   }
   if (to.parts.split())
@@ -225,6 +225,62 @@ bool ElasticMultigrid<D>::coarsen()
   setFactors(*level, options_.coarseSmoothing);
   levels_.push_back(std::move(level));
   return true;
+}
+
+// λ of a plane of coarse elements whose μ is set. Σ Vᵢ / (Kᵢ + g μ) is V / (K + g μ), with the mean μ.
+template <int D>
+void ElasticMultigrid<D>::setHillBulk(const Level& fine, const ElasticGrid<D>& to, std::int64_t plane, double factor,
+  ModuliBuffer<D, float>& buffer, StoredModuli<D>& moduli) const
+{
+  constexpr double shearInBulk = D == 3 ? 2.0 / 3 : 1.0; // K = λ + 2/3 μ, or λ + μ in the plane
+  constexpr double g = D == 3 ? 4.0 / 3 : 1.0;
+  const ElasticGrid<D>& from = fine.op->grid();
+  const std::int64_t nx = to.elements[0];
+  const double change = to.edge / from.edge;
+  double unit = 1; // of a coarse element's volume, in the fine grid's one
+  for (int a = 0; a < D; ++a)
+    unit *= change;
+  std::vector<double> sums(static_cast<std::size_t>(nx));
+  const auto range = [](bool halved, std::int64_t i, std::int64_t count) {
+    return halved ? std::array{ 2 * i, std::min(2 * i + 2, count) } : std::array{ i, i + 1 };
+  };
+  const auto width = [](const ElasticGrid<D>& grid, int axis, std::int64_t i)
+  { return static_cast<double>(grid.widthOf(axis, i)); };
+  for (std::int64_t row = 0; row < to.elementRows(); ++row)
+  {
+    std::ranges::fill(sums, 0.0);
+    float* const lambda = moduli.row(0, row, plane);
+    const float* const mu = moduli.row(1, row, plane);
+    const double across = width(to, D - 1, plane) * (D == 3 ? width(to, 1, row) : 1.0);
+    const auto volume = [&](std::int64_t i) { return unit * across * width(to, 0, i); };
+    // as moduli are stored, times the volume; those of coarse elements times `factor`
+    const auto [k0, k1] = range(fine.halved[D - 1], plane, from.elementPlanes());
+    for (std::int64_t k = k0; k < k1; ++k)
+    {
+      const auto [j0, j1] = range(D == 3 && fine.halved[1], row, from.elementRows());
+      for (std::int64_t j = j0; j < j1; ++j)
+      {
+        fine.op->moduliRow(j, k, buffer.buffer.data(), buffer.rows.data());
+        for (std::int64_t i = 0; i < from.elements[0]; ++i)
+        {
+          const std::int64_t coarse = fine.halved[0] ? i / 2 : i;
+          const double v = width(from, 0, i) * width(from, D - 1, k) * (D == 3 ? width(from, 1, j) : 1.0);
+          const double shear = static_cast<double>(mu[coarse]) / (factor * volume(coarse));
+          const double bulk =
+            (static_cast<double>(buffer.rows[0][i]) + shearInBulk * static_cast<double>(buffer.rows[1][i])) / v;
+          if (shear > 0)
+            sums[static_cast<std::size_t>(coarse)] += v / (bulk + g * shear);
+        }
+      }
+    }
+    for (std::int64_t i = 0; i < nx; ++i)
+      if (const double sum = sums[static_cast<std::size_t>(i)]; sum > 0)
+      {
+        const double shear = static_cast<double>(mu[i]) / (factor * volume(i));
+        const double bulk = volume(i) / sum - g * shear;
+        lambda[i] = static_cast<float>(std::max(0.0, factor * volume(i) * (bulk - shearInBulk * shear)));
+      }
+  }
 }
 
 template <int D>

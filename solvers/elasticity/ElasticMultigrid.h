@@ -1,6 +1,6 @@
 #pragma once
 
-#include "elasticity/ElasticOperator.h"
+#include "elasticity/ElasticSweep.h"
 #include "elasticity/StoredModuli.h"
 
 #include <Eigen/Dense>
@@ -17,12 +17,16 @@ struct ElasticMultigridOptions
   int smoothing = 2;        ///< sweeps before and after on the finest level
   int coarseSmoothing = 4;  ///< on the others
   double smoothedPart = 10; ///< eigenvalues down to the largest over this are the smoother's
+  /// Bulk moduli of coarse elements are those of a composite whose parts all have their mean shear modulus (Hill, J.
+  /// Mech. Phys. Solids 11 (1963) 357), not their means: what hardly can be compressed leaves by the voids beside it.
+  bool hillBulk = false;
 };
 
 /// A V-cycle for bilinear or trilinear elements. Coarse elements have the mean stiffness of those that they hold, which
-/// over uniform regions is the Galerkin product exactly; smoothing is Chebyshev's, as a product of simple steps in
-/// place, over the mean diagonal, with the largest eigenvalue of one element as its bound. Of an odd number of elements
-/// the last coarse one is narrower. Long axes of elements are coarsened later than short ones.
+/// over uniform regions is the Galerkin product exactly (of nearly incompressible ones other bulk moduli: hillBulk);
+/// smoothing is Chebyshev's, as a product of simple steps in place, over the mean diagonal, with the largest eigenvalue
+/// of one element as its bound. Of an odd number of elements the last coarse one is narrower. Long axes of elements are
+/// coarsened later than short ones.
 ///
 /// Symmetric, so that conjugate gradients may be preconditioned by it. The finest level has no array of its own.
 template <int D>
@@ -55,6 +59,8 @@ private:
   };
 
   bool coarsen();
+  void setHillBulk(const Level& fine, const ElasticGrid<D>& to, std::int64_t plane, double factor,
+    ModuliBuffer<D, float>& buffer, StoredModuli<D>& moduli) const;
   void setFactors(Level& level, int steps) const;
   void invertCoarsest();
   void cycle(std::size_t index, const float* b, float* z) const;

@@ -35,6 +35,10 @@ constexpr double standIn = 100;      // a rigid phase is so much stiffer than al
 // What is left of the energy of the mean strain below which rounding does not let it be known.
 constexpr double leastSingle = 1e-6;
 constexpr double leastExact = 1e-12;
+// Ratios of λ to μ beyond this take more smoothing.
+constexpr double nearlyIncompressible = 12; // Poisson's ratio 0.46
+constexpr double stepsOfRatio = 0.75;
+constexpr int mostSteps = 16;
 constexpr double wrong = 1e-3;   // of the energy of the mean strain
 constexpr double nothing = 1e-3; // of the tolerance, in one step
 
@@ -270,7 +274,10 @@ double ElasticSystem<D>::largestEigenvalue(std::array<double, D> widths) const
         (k == 0 ? stiffness.emplace_back() : stiffness.back())[k] = factor * c[k];
     }
   if (isotropic_ && !stiffness.empty())
+  {
     stiffness.push_back({ 2, 1 });
+    stiffness.push_back({ 0, 1 });
+  }
   double largest = 0;
   for (const auto& values : stiffness)
   {
@@ -280,6 +287,25 @@ double ElasticSystem<D>::largestEigenvalue(std::array<double, D> widths) const
     largest = std::max(largest, modes.eigenvalues()(matrix.rows() - 1) / diagonal);
   }
   return largest;
+}
+
+template <int D>
+ElasticMultigridOptions ElasticSystem<D>::smoothing() const
+{
+  ElasticMultigridOptions o = options_.multigrid;
+  double most = 0; // λ over μ
+  for (std::size_t id = 0; id < problem_.laws.size() && isotropic_; ++id)
+    if (exact64_.stiffness[1][id] > 0)
+      most = std::max(most, exact64_.stiffness[0][id] / exact64_.stiffness[1][id]);
+  if (!(most > nearlyIncompressible))
+    return o;
+  // motions without change of volume are stiff by μ, and a simple step is as long as λ lets it be
+  const int steps = std::min(mostSteps, static_cast<int>(std::lround(std::sqrt(stepsOfRatio * most))));
+  o.smoothing = std::max(o.smoothing, steps);
+  o.coarseSmoothing = std::max(o.coarseSmoothing, steps);
+  o.smoothedPart = std::max(o.smoothedPart, 0.45 * steps * steps);
+  o.hillBulk = true;
+  return o;
 }
 
 template <int D>
@@ -411,7 +437,7 @@ ElasticSystem<D>::ElasticSystem(const ElasticProblem<D>& problem, const ElasticO
         found->second = largestEigenvalue(widths);
       return found->second;
     },
-    options.multigrid);
+    smoothing());
   findPieces();
   const std::size_t n = grid.values();
   if (options_.fields)

@@ -157,6 +157,7 @@ private:
   [[nodiscard]] ModuliRows<Real> rowsOf(const Tables<Real>& tables) const;
   /// The same, made once: rows of a plane.
   [[nodiscard]] ModuliRows<float> keptRows(const ElasticGrid<D>& grid, const ModuliRows<float>& made);
+  [[nodiscard]] ElasticMultigridOptions smoothing() const; ///< as the materials want it
   void findPieces();
   void correctPieces();
   /// Sums of values by plane, of which each rank knows those of its own: of each of `count` values.
