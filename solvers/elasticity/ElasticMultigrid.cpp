@@ -1,5 +1,7 @@
 #include "elasticity/ElasticMultigrid.h"
 
+#include "elasticity/ElasticSweep.h"
+
 #include <cmath>
 #include <numbers>
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "elasticity/ElasticSweep.h"
+#include "elasticity/ElasticOperator.h"
 #include "elasticity/StoredModuli.h"
 
 #include <Eigen/Dense>
@@ -11,6 +11,9 @@
 
 namespace lamella::elasticity
 {
+
+template <int D, class Real>
+struct ModuliBuffer;
 
 struct ElasticMultigridOptions
 {
