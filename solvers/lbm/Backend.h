@@ -6,6 +6,7 @@
 
 #include <array>
 #include <span>
+#include <vector>
 
 namespace lamella::lbm
 {
@@ -43,6 +44,15 @@ struct Problem
   [[nodiscard]] double contrast() const;
 };
 
+/// Where the energy of a field is, in any unit.
+struct FieldEnergies
+{
+  /// Of links by the ids at their ends, [a * ids + b] with a ≤ b, of those to walls by the node's at both.
+  std::vector<double> links;
+  /// Of elements, by id: what the field has per unit of the diffusivity along the axis, and of that across.
+  std::vector<double> along, across;
+};
+
 /// One way of solving the system of one direction.
 class Backend
 {
@@ -52,7 +62,12 @@ public:
   virtual SteadyResult solve() = 0;
   virtual void value(std::span<double> out) const = 0;
   virtual void flux(std::span<double> out) const = 0;
+  /// Of the field, all ranks'. Collective.
+  [[nodiscard]] virtual FieldEnergies energies() const = 0;
 };
+
+/// Energies of a field that a backend without one of its own in double has.
+[[nodiscard]] FieldEnergies energiesOf(const Problem& problem, const Backend& backend);
 
 /// Turns sums over all ranks into effective properties (result.effective, inletFlux, outletFlux, balance).
 void setEffective(SteadyResult& result, const FieldSums& sums, const Lattice& lattice, int axis, double scale);

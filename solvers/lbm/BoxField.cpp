@@ -1,9 +1,16 @@
 #include "lbm/BoxField.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lamella::lbm
 {
+namespace
+{
+
+constexpr std::int64_t energyParts = 16; // sums of energies that threads may make at once
+
+} // namespace
 
 BoxField::BoxField(const Problem& problem)
   : problem_(problem)
@@ -295,6 +302,103 @@ void BoxField::value(std::span<double> out) const
   }
   forEach([&](std::size_t i, double u, std::int64_t p)
     { out[i] = periodic ? u - mean + 1.0 - (static_cast<double>(p) + 0.5) / n : u; });
+}
+
+void BoxField::setValue(std::span<const double> value)
+{
+  const bool periodic = problem_.options.sides == Sides::Periodic;
+  const int axis = problem_.axis;
+  const double n = static_cast<double>(problem_.lattice.size[axis]);
+  auto from = value.begin();
+  for (std::int64_t z = 0; z < block_.size[2]; ++z)
+    for (std::int64_t y = 0; y < block_.size[1]; ++y)
+    {
+      double* const u = rowValues(y, z);
+      for (std::int64_t x = 0; x < block_.size[0]; ++x, ++from)
+      {
+        const std::int64_t p = axis == 0 ? x : axis == 1 ? y + block_.start[1] : z + block_.start[2];
+        u[x] = periodic ? *from - 1.0 + (static_cast<double>(p) + 0.5) / n : *from;
+      }
+    }
+}
+
+std::vector<double> BoxField::linkEnergies() const
+{
+  const std::size_t ids = problem_.diffusivity.size();
+  const int axis = problem_.axis;
+  const std::int64_t n = problem_.lattice.size[axis];
+  const std::int64_t nx = block_.size[0];
+  const std::int64_t rows = block_.size[1] * block_.size[2];
+  // parts that no number of threads changes
+  const std::int64_t parts = std::clamp<std::int64_t>(rows, 1, energyParts);
+  std::vector<double> sums(static_cast<std::size_t>(parts) * ids * ids, 0.0);
+  const int threads = problem_.options.threads;
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+  for (std::int64_t part = 0; part < parts; ++part)
+  {
+    double* const sum = sums.data() + static_cast<std::size_t>(part) * ids * ids;
+    for (std::int64_t row = part * rows / parts; row < (part + 1) * rows / parts; ++row)
+    {
+      const std::int64_t y = row % block_.size[1];
+      const std::int64_t z = row / block_.size[1];
+      const std::uint8_t* const here = rowPhase(y, z);
+      for (const Direction& d : links_.forward())
+      {
+        const std::uint8_t* const there = rowPhase(y + d.y, z + d.z);
+        rowLinks(y, z, d,
+          [&](std::int64_t x, double g, double du)
+          {
+            if (!(g > 0) || std::isnan(du))
+              return;
+            const std::int64_t other = x + d.x < 0 ? x + d.x + nx : x + d.x >= nx ? x + d.x - nx : x + d.x;
+            sum[ids * here[x] + there[other]] += g * du * du;
+          });
+      }
+      if (problem_.options.sides == Sides::Periodic)
+        continue;
+      const double* const u = u_.data() + halo_.row(y, z) * stride_ + 1;
+      const std::int64_t rowPosition = axis == 1 ? y + block_.start[1] : z + block_.start[2];
+      const auto wall = [&](std::int64_t x, double wallValue)
+      {
+        const double du = u[x] - wallValue;
+        if (!std::isnan(du))
+          sum[(ids + 1) * here[x]] +=
+            links_.wall(here[x], { x, y + block_.start[1], z + block_.start[2] }, axis, wallValue == 0.0) * du * du;
+      };
+      if (axis == 0)
+      {
+        wall(0, 1.0);
+        wall(nx - 1, 0.0);
+      }
+      for (std::int64_t x = 0; x < nx && axis != 0; ++x)
+      {
+        if (rowPosition == 0)
+          wall(x, 1.0);
+        if (rowPosition == n - 1)
+          wall(x, 0.0);
+      }
+    }
+  }
+  std::vector<double> all(ids * ids, 0.0);
+  for (std::size_t i = 0; i < sums.size(); ++i)
+  {
+    const std::size_t a = i % (ids * ids) / ids;
+    const std::size_t b = i % ids;
+    all[std::min(a, b) * ids + std::max(a, b)] += sums[i];
+  }
+  problem_.comm.sum(all);
+  return all;
+}
+
+FieldEnergies energiesOf(const Problem& problem, const Backend& backend)
+{
+  BoxField field(problem);
+  std::vector<double> value(problem.phase.size());
+  backend.value(value);
+  field.setValue(value);
+  value = {};
+  field.fillGhosts();
+  return { field.linkEnergies(), {}, {} };
 }
 
 void BoxField::flux(std::span<double> out) const

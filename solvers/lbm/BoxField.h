@@ -38,6 +38,12 @@ public:
   /// Needs an evaluate() after the last change of the field (its ghosts).
   void flux(std::span<double> out) const;
 
+  /// FieldEnergies::links. Needs its ghosts, as flux() does; nodes that are NaN have no links.
+  [[nodiscard]] std::vector<double> linkEnergies() const;
+  /// Takes what value() gave.
+  void setValue(std::span<const double> value);
+  void fillGhosts();
+
   /// Planes across the direction: PlaneSums.
   [[nodiscard]] std::size_t planeCount() const noexcept;
   [[nodiscard]] const Links& links() const noexcept { return links_; }
@@ -46,7 +52,6 @@ public:
   [[nodiscard]] std::size_t bytes() const noexcept { return u_.size() * 8 + phases_.bytes(); }
 
 private:
-  void fillGhosts();
   void addToPlanes(std::int64_t y, std::int64_t z, PlaneSums& planes) const;
   template <class F>
   void rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& f) const;

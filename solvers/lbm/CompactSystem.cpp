@@ -232,6 +232,8 @@ public:
         }
   }
 
+  [[nodiscard]] FieldEnergies energies() const override { return energiesOf(problem_, *this); }
+
   void flux(std::span<double> out) const override
   {
     std::fill(out.begin(), out.end(), 0.0);

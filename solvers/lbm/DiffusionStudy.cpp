@@ -137,7 +137,7 @@ private:
   /// Solves a picture along one axis.
   /// @param refined the nodes of `part`, split
   SteadyResult solve(const PhaseImage& refined, const Part& part, int refinement, DiffusionAnswer& answer,
-    RefinementStep& step, bool fields)
+    RefinementStep& step, bool fields, bool derivatives = false)
   {
     const MPI_Comm handle = shares(refined.lattice) ? comm_ : MPI_COMM_SELF;
     const Communicator comm(handle);
@@ -174,6 +174,8 @@ private:
     step.iterations += result.iterations;
     step.seconds += comm.max(result.setupSeconds + result.solveSeconds);
     step.value = valueOf(result, answer.axis);
+    if (derivatives)
+      answer.derivatives = solver.derivatives();
     if (fields)
       sink_(solver, answer, refined.lattice, block);
     return result;
@@ -226,7 +228,7 @@ private:
     {
       RefinementStep step;
       a.refinement = refinement;
-      a.result = solve(refined, {}, refinement, a, step, final && sink_);
+      a.result = solve(refined, {}, refinement, a, step, final && sink_, options_.derivatives);
       a.steps.push_back(step);
     }
   }

@@ -54,9 +54,10 @@ struct DiffusionAnswer
   SteadyResult result; ///< of the solve whose fields are handed out
   int refinement = 1;  ///< of that solve
   ErrorEstimate error;
-  Target target = Target::None;      ///< of the study: the same in every direction
-  TargetPlan plan;                   ///< where target is MemoryShort: what it would take
-  std::vector<RefinementStep> steps; ///< every solve, in order
+  ConductivityDerivatives derivatives; ///< where they were asked for
+  Target target = Target::None;        ///< of the study: the same in every direction
+  TargetPlan plan;                     ///< where target is MemoryShort: what it would take
+  std::vector<RefinementStep> steps;   ///< every solve, in order
 };
 
 struct StudyOptions
@@ -65,6 +66,8 @@ struct StudyOptions
   std::vector<int> axes{ 0, 1 };
   int refinement = 1;        ///< each pixel split into n × n (× n)
   bool estimateError = true; ///< of the lattice, from pixels split in two, and of the picture, from its subsamples
+  /// Of the value by each conductivity (SteadyDiffusion::derivatives): a pass over the field.
+  bool derivatives = false;
   /// Relative, of the total error: refines from `refinement` until it is below, as far as the picture itself allows.
   std::optional<double> targetError;
   /// Part of the memory that is free at the start that a target error may take.

@@ -130,6 +130,7 @@ public:
 
   void value(std::span<double> out) const override { field_.value(out); }
   void flux(std::span<double> out) const override { field_.flux(out); }
+  [[nodiscard]] FieldEnergies energies() const override { return { field_.linkEnergies(), {}, {} }; }
 
 private:
   [[nodiscard]] Level finestLevel() const;

@@ -60,7 +60,8 @@ PairTable shareLinks(std::span<const double> share, double first, double second,
 namespace
 {
 
-constexpr int levels = 255; // of mean shares
+constexpr double relativeStep = 1e-5; // of a conductivity, for differences of what links conduct
+constexpr int levels = 255;           // of mean shares
 constexpr std::int64_t fewestAcross = 3;
 // Change of a rule that is taken instead of that of a phase that leads from face to face; the former where it does so
 // by nodes that it fills.
@@ -171,6 +172,7 @@ public:
         doubt = 1.5 * between;
     }
     const auto before = std::exchange(answer.steps, {});
+    own_ = &image;
     answer.result = solve(answer, image, share, rule, 1, static_cast<bool>(sink_));
     answer.steps.insert(answer.steps.end(), before.begin(), before.end());
     if (!options_.estimateError || !half)
@@ -261,6 +263,8 @@ private:
       o.fieldTolerance = std::numeric_limits<double>::infinity();
     SteadyDiffusion solver = solverOf(image, diffusivity, o);
     SteadyResult result = solver.solve(answer.axis);
+    if (every == 1 && options_.derivatives && &image == own_)
+      answer.derivatives = derivatives(solver, share, rule);
     RefinementStep step;
     step.value = valueOf(result, answer.axis);
     step.nodes = image.lattice.count();
@@ -276,8 +280,34 @@ private:
     return result;
   }
 
+  // By the links' own change with either conductivity.
+  [[nodiscard]] ConductivityDerivatives derivatives(
+    const SteadyDiffusion& solver, std::span<const double> share, AcrossSurface rule) const
+  {
+    const std::vector<double> energy = solver.pairDerivatives();
+    ConductivityDerivatives d;
+    for (const bool second : { false, true })
+    {
+      const double k = second ? second_ : first_;
+      d.along.push_back(k > 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN());
+      const double step = relativeStep * k;
+      const auto linksAt = [&](double value)
+      { return shareLinks(share, second ? first_ : value, second ? value : second_, rule).link; };
+      if (!(k > 0))
+        continue;
+      const std::vector<double> more = linksAt(k + step);
+      const std::vector<double> less = linksAt(k - step);
+      for (std::size_t a = 0; a < share.size(); ++a)
+        for (std::size_t b = a; b < share.size(); ++b)
+          if (const std::size_t i = a * share.size() + b; energy[i] > 0)
+            d.along.back() += energy[i] * (more[i] - less[i]) / (step * (more[i] + less[i]));
+    }
+    return d;
+  }
+
   double first_;
   double second_;
+  const PhaseImage* own_ = nullptr; ///< the picture itself
   const StudyOptions& options_;
   MPI_Comm comm_;
   const FieldSink& sink_;

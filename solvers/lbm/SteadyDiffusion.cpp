@@ -16,6 +16,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
 
 namespace lamella::lbm
 {
@@ -148,6 +151,7 @@ struct SteadyDiffusion::Impl
   bool allConduct = true;
   std::int64_t conducting = 0;
   std::unique_ptr<Backend> backend;
+  double effective = 0; ///< of the last solve, along its axis
 
   Impl(const Lattice& box, MPI_Comm handle)
     : lattice(box)
@@ -456,6 +460,7 @@ SteadyResult SteadyDiffusion::solve(int axis)
     }
   }
   m.options.maxIterations = allowed;
+  m.effective = result.effective[static_cast<std::size_t>(axis)];
   result.setupSeconds = setup;
   result.solveSeconds = secondsSince(start) - setup;
   return result;
@@ -476,6 +481,83 @@ void SteadyDiffusion::flux(std::span<double> out) const
       "solve first, and hand over three numbers a node of this rank's block");
   countPass(Pass::Flux);
   impl_->backend->flux(out);
+}
+
+namespace
+{
+
+// Of energies in any unit, whose sum is `value`.
+void scaleTo(double value, double sum, std::span<double> derivatives)
+{
+  for (double& d : derivatives)
+    d = sum > 0 ? d * (value / sum) : std::numeric_limits<double>::quiet_NaN();
+}
+
+} // namespace
+
+std::vector<double> SteadyDiffusion::pairDerivatives() const
+{
+  if (!impl_->backend)
+    throw ParameterError("there is no field to tell derivatives by", "solve first");
+  if (impl_->options.links || impl_->options.stencil == Stencil::Q1)
+    throw ParameterError("derivatives by pairs of phases where links are no pairs'", "ask for derivatives()");
+  std::vector<double> energy = impl_->backend->energies().links;
+  scaleTo(impl_->effective, std::accumulate(energy.begin(), energy.end(), 0.0), energy);
+  return energy;
+}
+
+ConductivityDerivatives SteadyDiffusion::derivatives() const
+{
+  if (!impl_->backend)
+    throw ParameterError("there is no field to tell derivatives by", "solve first");
+  const SteadyOptions& options = impl_->options;
+  if (options.links || options.pairs)
+    throw ParameterError("derivatives by phases' conductivities where links are given",
+      options.pairs ? "ask for pairDerivatives()" : "with conductivities along and across take elements, q1");
+  const std::vector<double>& k = impl_->diffusivity;
+  constexpr double none = std::numeric_limits<double>::quiet_NaN();
+  ConductivityDerivatives d;
+  if (options.stencil == Stencil::Q1)
+  {
+    FieldEnergies energies = impl_->backend->energies();
+    const DirectedDiffusivity* const directed = options.directed.get();
+    double sum = 0;
+    for (std::size_t id = 0; id < k.size(); ++id)
+    {
+      const double along = directed ? directed->along[id] : k[id];
+      const double across = directed ? directed->across[id] : k[id];
+      sum += energies.along[id] * along + energies.across[id] * across;
+      if (along == across) // one conductivity
+        energies.along[id] += std::exchange(energies.across[id], 0.0);
+    }
+    scaleTo(impl_->effective, sum, energies.along);
+    scaleTo(impl_->effective, sum, energies.across);
+    d.along = std::move(energies.along);
+    if (directed)
+      d.across = std::move(energies.across);
+    for (std::size_t id = 0; id < k.size(); ++id)
+    {
+      if ((directed ? directed->along[id] : k[id]) == 0)
+        d.along[id] = none;
+      if (directed && (directed->across[id] == 0 || directed->along[id] == directed->across[id]))
+        d.across[id] = none;
+    }
+    return d;
+  }
+  // of the harmonic mean 2 a b / (a + b): ∂ ln / ∂a = b / (a (a + b))
+  const std::vector<double> energy = pairDerivatives();
+  d.along.assign(k.size(), 0.0);
+  for (std::size_t a = 0; a < k.size(); ++a)
+    for (std::size_t b = a; b < k.size(); ++b)
+      if (const double e = energy[a * k.size() + b]; e > 0)
+      {
+        d.along[a] += e / (k[a] + k[b]) * (k[b] / k[a]);
+        d.along[b] += e / (k[a] + k[b]) * (k[a] / k[b]);
+      }
+  for (std::size_t id = 0; id < k.size(); ++id)
+    if (k[id] == 0)
+      d.along[id] = none;
+  return d;
 }
 
 Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts, int ranks) noexcept

@@ -508,7 +508,7 @@ void LeanField::value(std::span<double> out) const
     { out[i] = 1.0 + unit * (v - mean - (static_cast<double>(p) + 0.5)); });
 }
 
-void LeanField::flux(std::span<double> out) const
+BoxField LeanField::inDouble() const
 {
   BoxField field(problem_);
   field.setLinearProfile();
@@ -517,8 +517,18 @@ void LeanField::flux(std::span<double> out) const
   for (std::int64_t z = 0; z < g.nz; ++z)
     for (std::int64_t y = 0; y < g.ny; ++y)
       addRow(y, z, unit, field.rowValues(y, z));
-  (void)field.evaluate([](std::int64_t, std::int64_t, const double*) {}); // its ghosts
-  field.flux(out);
+  field.fillGhosts();
+  return field;
+}
+
+void LeanField::flux(std::span<double> out) const
+{
+  inDouble().flux(out);
+}
+
+std::vector<double> LeanField::linkEnergies() const
+{
+  return inDouble().linkEnergies();
 }
 
 } // namespace lamella::lbm

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lbm/Backend.h"
+#include "lbm/BoxField.h"
 #include "lbm/PhaseRows.h"
 #include "lbm/PlaneBalance.h"
 #include "lbm/lean/PhaseKernels.h"
@@ -65,6 +66,7 @@ public:
 
   void value(std::span<double> out) const;
   void flux(std::span<double> out) const;
+  [[nodiscard]] std::vector<double> linkEnergies() const; ///< BoxField's
   [[nodiscard]] const Links& links() const noexcept { return links_; }
   [[nodiscard]] std::size_t bytes() const noexcept;
 
@@ -79,6 +81,7 @@ private:
   [[nodiscard]] RowSide side(std::int64_t y, std::int64_t z, int part, int axis, int step) const;
   [[nodiscard]] std::int64_t along(std::int64_t y, std::int64_t z) const noexcept;
   void countConductance();
+  [[nodiscard]] BoxField inDouble() const; ///< ghosts included
 
   Problem problem_;
   Block block_;

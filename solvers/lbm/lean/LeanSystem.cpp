@@ -255,6 +255,12 @@ public:
       });
   }
   void flux(std::span<double> out) const override { exact_ ? exact_->flux(out) : balancedField().flux(out); }
+  [[nodiscard]] FieldEnergies energies() const override
+  {
+    if (masked_)
+      return energiesOf(problem_, *this);
+    return { exact_ ? exact_->linkEnergies() : balancedField().linkEnergies(), {}, {} };
+  }
 
 private:
   // What single precision leaves is taken off in double: cycles for the residual of a field that is, until the energy
