@@ -294,6 +294,32 @@ class Walls(Case):
         flux = self.works("flux-map", "f.vti", "-o", "map.vti", "--json").json()
         self.assertAlmostEqual(flux["effective"]["x"], small["effective"]["x"], delta=1e-6)
 
+    def test_what_conductivities_leave(self):
+        words = self.lattice()[:1]
+        given = ["--conductivity", "lumen=0.026", "--conductivity", "wall=0.41±0.02"]
+        run = lambda *more: self.works("diffusion", *words, *given, *more, "--json").json()  # noqa: E731
+        answer = run("--direction", "x")
+        by, value = answer["sensitivity"]["x"], answer["effective"]["x"]
+        self.assertAlmostEqual(0.026 * by["lumen"] + 0.41 * by["wall"], value, delta=1e-12)
+        self.assertAlmostEqual(answer["input_errors"]["x"], 0.02 * by["wall"] / value, delta=1e-12)
+        whole = (answer["input_errors"]["x"] ** 2 + answer["estimated_errors"]["x"] ** 2) ** 0.5
+        self.assertAlmostEqual(answer["total_errors"]["x"], whole, delta=1e-12)
+        more = self.works("diffusion", *words, "--conductivity", "lumen=0.026,wall=0.4141", "--direction", "x", "--json").json()
+        self.assertAlmostEqual(more["effective"]["x"] - value, 0.0041 * by["wall"], delta=0.01 * 0.0041 * by["wall"])
+        text = self.works("diffusion", *words, *given).out
+        for line in ("1 % more of a conductivity changes the value by", "the conductivities' uncertainty leaves", "most of it: "):
+            self.assertIn(line, text)
+        plain = self.works("diffusion", *words, "--conductivity", "lumen=0.026,wall=0.41", "--json").json()
+        self.assertEqual((plain["sensitivity"], plain["input_errors"], plain["total_errors"]), (None, None, None))
+        alone = self.works("diffusion", *words, "--conductivity", "lumen=0.026,wall=0.41+-0.02", "--no-error-estimate", "--json", ranks=2).json()
+        self.assertAlmostEqual(alone["input_errors"]["x"], answer["input_errors"]["x"], delta=1e-6)
+        self.assertIsNone(alone["total_errors"]["x"])
+        both = self.works("diffusion", *self.lattice(), "--conductivity", "wall=1.2±0.1:0.8±0.2", "--json").json()
+        self.assertEqual(both["lattice"], "q1")
+        wall = both["sensitivity"]["x"]
+        self.assertAlmostEqual(0.023 * wall["lumen"] + 1.2 * wall["wall"] + 0.8 * wall["wall:across"], both["effective"]["x"], delta=1e-9)
+        self.fails(2, "'wide' is not how far", "wall=0.41±0.02", "diffusion", *words, "--conductivity", "lumen=0.026,wall=0.41±wide")
+
     def test_what_it_refuses(self):
         words = self.lattice()
         fails = lambda *rest: self.fails(*rest[:3], "diffusion", *words, *rest[3:])  # noqa: E731

@@ -85,8 +85,13 @@ public:
     for (const GivenConductivity& one : parseConductivities(options.conductivity))
     {
       filter_->SetConductivity(one.phase.c_str(), one.along);
-      if (one.across != one.along)
-        filter_->SetConductivityAcross(one.phase.c_str(), one.across);
+      if (one.alongUncertainty > 0)
+        filter_->SetConductivityUncertainty(one.phase.c_str(), one.alongUncertainty);
+      if (one.across == one.along)
+        continue;
+      filter_->SetConductivityAcross(one.phase.c_str(), one.across);
+      if (one.acrossUncertainty > 0)
+        filter_->SetConductivityAcrossUncertainty(one.phase.c_str(), one.acrossUncertainty);
     }
     fields_ = !options.output.empty();
     requireVti(options.output);
@@ -269,19 +274,21 @@ Command diffusionCommand(CLI::App& root)
   addPictureOptions(*app, o->picture);
   addSliceDistance(*app, o->picture);
   addOption(*app, "Materials", "--conductivity", o->conductivity,
-    "Conductivity of a phase, in any unit; 0: it does not conduct. ALONG:ACROSS where it differs along the walls of "
-    "a "
-    "lattice from outlines",
-    "NAME=VALUE|NAME=ALONG:ACROSS")
+    "Conductivity of a phase, in any unit; 0: it does not conduct. ALONG:ACROSS where it differs along the walls of a "
+    "lattice from outlines. With ± (or +-) how far it may be off: what that leaves of the value is told",
+    "NAME=VALUE[±HALF]|NAME=ALONG:ACROSS")
     ->allow_extra_args(false)
     ->required();
-  o->settings.declare(*app, "vtkSteadyDiffusion", { "conductivity", "conductivity-across", "field", "flux" });
+  o->settings.declare(*app, "vtkSteadyDiffusion",
+    { "conductivity", "conductivity-across", "conductivity-uncertainty", "conductivity-across-uncertainty", "field",
+      "flux" });
   addOutputOptions(*app, o->output, o->common,
     "Write phases, field and flux as .vti, for ParaView; several directions: FILE_x.vti, FILE_y.vti");
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella diffusion tissue.png --phase 0=lumen --phase 255=wall --conductivity lumen=0.023 --conductivity wall=1",
       "lamella diffusion tissue.png --conductivity lumen=1 --conductivity wall=0.004 --target-error 1% --json",
+      "lamella diffusion tissue.png --conductivity lumen=0.026 --conductivity wall=0.41±0.02",
       "lamella diffusion rock_200x200x200_u8.raw --phase 1=pore --other grain --conductivity pore=1 --conductivity "
       "grain=0",
       "lamella diffusion tissue.vti --conductivity lumen=0.023 --conductivity wall=1.2:0.8 --conductivity "

@@ -40,6 +40,27 @@ double parseValue(const std::string& text, const std::string& number)
   return *value;
 }
 
+// VALUE or VALUE±HALF_WIDTH; +- is the same.
+double parseWithUncertainty(const std::string& text, const std::string& number, double& uncertainty)
+{
+  std::size_t length = std::string_view("±").size();
+  std::size_t at = number.find("±");
+  if (at == std::string::npos)
+  {
+    at = number.find("+-");
+    length = 2;
+  }
+  if (at == std::string::npos)
+    return parseValue(text, number);
+  const auto half = toNumber(number.substr(at + length));
+  if (!half || !std::isfinite(*half) || *half < 0)
+    throw ParameterError(fmt::format("--conductivity '{}': '{}' is not how far a conductivity may be off", text,
+                           number.substr(at + length)),
+      "write half of the interval that holds it, in its unit, such as wall=0.41±0.02");
+  uncertainty = *half;
+  return parseValue(text, number.substr(0, at));
+}
+
 std::string valueText(const GivenConductivity& given)
 {
   return given.along == given.across ? fmt::format("{:g}", given.along)
@@ -56,8 +77,10 @@ std::vector<GivenConductivity> parseConductivities(const std::vector<std::string
     const auto [name, numbers] = keyValue("--conductivity", text, "NAME=VALUE");
     GivenConductivity given{ name };
     const std::size_t colon = numbers.find(':');
-    given.along = parseValue(text, numbers.substr(0, colon));
-    given.across = colon == std::string::npos ? given.along : parseValue(text, numbers.substr(colon + 1));
+    given.along = parseWithUncertainty(text, numbers.substr(0, colon), given.alongUncertainty);
+    given.across = given.along;
+    if (colon != std::string::npos)
+      given.across = parseWithUncertainty(text, numbers.substr(colon + 1), given.acrossUncertainty);
     const auto same =
       std::find_if(values.begin(), values.end(), [&](const GivenConductivity& v) { return v.phase == given.phase; });
     if (same != values.end() && (same->along != given.along || same->across != given.across))

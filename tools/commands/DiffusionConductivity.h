@@ -9,12 +9,14 @@
 namespace lamella::cli
 {
 
-/// One word NAME=VALUE or NAME=ALONG:ACROSS.
+/// One word NAME=VALUE or NAME=ALONG:ACROSS, each value with ±HALF_WIDTH behind it or without.
 struct GivenConductivity
 {
   std::string phase;
   double along = 0;
   double across = 0;
+  double alongUncertainty = 0;
+  double acrossUncertainty = 0;
 };
 
 /// @throws ParameterError

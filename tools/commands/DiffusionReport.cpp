@@ -82,6 +82,30 @@ std::uint64_t peakMemoryBytes()
 namespace
 {
 
+/// By direction and phase: ∂K/∂k, and what the phases' uncertainty leaves, relative; null where that was not asked for.
+void addSensitivity(Json& json, const SteadyFindings& found)
+{
+  Json& sensitivity = json["sensitivity"] = nullptr;
+  Json& inputs = json["input_errors"] = nullptr;
+  Json& totals = json["total_errors"] = nullptr;
+  for (const auto& answer : found.answers)
+  {
+    const char* const axis = axisNames[answer.axis];
+    for (const bool other : { false, true })
+    {
+      const auto& by = other ? answer.derivatives.across : answer.derivatives.along;
+      for (std::size_t id = 0; id < by.size(); ++id)
+        if (found.fractions[id] > 0 && (!other || std::isfinite(by[id])))
+          sensitivity[axis][found.phases[id] + (other ? ":across" : "")] = jsonNumber(by[id]);
+    }
+    if (const double error = found.inputError(answer); !std::isnan(error))
+    {
+      inputs[axis] = jsonNumber(error);
+      totals[axis] = jsonNumber(found.totalError(answer));
+    }
+  }
+}
+
 void addValues(Json& json, const DiffusionReport& report)
 {
   for (const auto& answer : report.found.answers)
@@ -106,6 +130,7 @@ void addValues(Json& json, const DiffusionReport& report)
     for (const auto& answer : report.found.answers)
       json[std::string(key) + "s"][axisNames[answer.axis]] = jsonNumber(answer.error.*kind);
   }
+  addSensitivity(json, report.found);
   const bool aimed = report.found.targetError > 0;
   json["target_error"] = aimed ? Json(report.found.targetError) : Json(nullptr);
   json["target"] = aimed ? Json(lbm::name(report.found.answers.front().target)) : Json(nullptr);
@@ -290,6 +315,57 @@ std::string greysText(const DiffusionReport& report)
 
 } // namespace
 
+namespace
+{
+
+/// By direction: what a change of a conductivity by 1 % does to the value, and what the conductivities' own uncertainty
+/// leaves of it.
+std::string sensitivityText(const DiffusionReport& report)
+{
+  const SteadyFindings& found = report.found;
+  std::string text;
+  for (const auto& answer : found.answers)
+  {
+    std::vector<std::pair<double, std::string>> parts; // of the inputs' error
+    std::string line;
+    for (const bool other : { false, true })
+    {
+      const auto& by = other ? answer.derivatives.across : answer.derivatives.along;
+      const auto& values = other ? found.across : found.conductivity;
+      for (std::size_t id = 0; id < by.size(); ++id)
+      {
+        if (!(found.fractions[id] > 0) || std::isnan(by[id]))
+          continue;
+        const std::string name = found.phases[id] + (other ? " across" : "");
+        line += fmt::format("{}{} {:.3g} %", line.empty() ? "" : ", ", name, by[id] * values[id] / own(answer));
+        if (const double error = found.inputError(answer, id, other); error > 0)
+          parts.emplace_back(error, name);
+      }
+    }
+    if (line.empty())
+      continue;
+    text += fmt::format("    {}  {}\n", axisNames[answer.axis], line);
+    if (std::isnan(found.inputError(answer)))
+      continue;
+    std::ranges::sort(parts, std::greater());
+    std::string shares;
+    for (const auto& [error, name] : parts)
+      shares += fmt::format("{}{} {}", shares.empty() ? "" : ", ", name, percent(error));
+    text += fmt::format("       the conductivities' uncertainty leaves {}{}\n", percent(found.inputError(answer)),
+      parts.size() > 1 ? " (" + shares + ")" : "");
+    if (const double total = found.totalError(answer); std::isfinite(total))
+      text += fmt::format(
+        "       {:.5g} ± {:.2g} in all (lattice and picture {:.2g}, conductivities {:.2g}); most of it: {}\n",
+        own(answer), total * own(answer), answer.error.relative * own(answer), found.inputError(answer) * own(answer),
+        answer.error.relative > found.inputError(answer) ? "lattice and picture"
+          : parts.empty()                                ? ""
+                                                         : "the conductivity of " + parts.front().second);
+  }
+  return text.empty() ? text : "  1 % more of a conductivity changes the value by\n" + text;
+}
+
+} // namespace
+
 std::string toTable(const DiffusionReport& report)
 {
   const Lattice& lattice = report.sample->image.lattice;
@@ -337,6 +413,7 @@ std::string toTable(const DiffusionReport& report)
       text += fmt::format("    {}  {:<20.7g}  {:<8.5g}  {:.5g}\n", axisNames[answer.axis],
         report.found.relative(answer), 1 / report.found.relative(answer), report.found.tortuosityFactor(answer));
   }
+  text += report.found.rounding ? "" : sensitivityText(report);
   text +=
     fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",
       report.found.bounds.series, report.found.bounds.parallel, report.found.bounds.hashinShtrikmanLower,

@@ -7,6 +7,7 @@
 #include "vtkImageData.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace lamella
@@ -90,6 +91,31 @@ double SteadyFindings::tortuosityFactor(const lbm::DiffusionAnswer& answer) cons
   return bounds.parallel / answer.result.effective[static_cast<std::size_t>(answer.axis)];
 }
 
+double SteadyFindings::inputError(const lbm::DiffusionAnswer& answer, std::size_t id, bool across) const
+{
+  const std::vector<double>& doubt = across ? acrossUncertainty : uncertainty;
+  const std::vector<double>& by = across ? answer.derivatives.across : answer.derivatives.along;
+  if (id >= doubt.size() || id >= by.size() || doubt[id] == 0)
+    return 0;
+  return std::abs(by[id]) * doubt[id] / answer.result.effective[static_cast<std::size_t>(answer.axis)];
+}
+
+double SteadyFindings::inputError(const lbm::DiffusionAnswer& answer) const
+{
+  if (uncertainty.empty() && acrossUncertainty.empty())
+    return notFound;
+  double sum = 0;
+  for (const bool other : { false, true })
+    for (std::size_t id = 0; id < conductivity.size(); ++id)
+      sum += std::pow(inputError(answer, id, other), 2);
+  return std::sqrt(sum);
+}
+
+double SteadyFindings::totalError(const lbm::DiffusionAnswer& answer) const
+{
+  return std::hypot(inputError(answer), answer.error.relative);
+}
+
 SteadyFindings SteadyFindings::along(int axis) const
 {
   SteadyFindings one = *this;
@@ -130,6 +156,24 @@ void describe(vtkImageData* output, const SteadyFindings& found)
   write(
     "skipped_nodes", [](const auto& answer) { return answer.result.skipped; });
   write("refinement", [](const auto& answer) { return answer.refinement; });
+  const auto writeSensitivity = [&](const char* name, std::vector<double> lbm::ConductivityDerivatives::*of)
+  {
+    std::vector<double> numbers(3 * found.conductivity.size(), notFound);
+    bool any = false;
+    for (const lbm::DiffusionAnswer& answer : found.answers)
+      for (std::size_t id = 0; id < (answer.derivatives.*of).size(); ++id, any = true)
+        numbers[3 * id + static_cast<std::size_t>(answer.axis)] = (answer.derivatives.*of)[id];
+    if (any)
+      setFieldNumbers(output, name, numbers);
+  };
+  writeSensitivity("conductivity_sensitivity", &lbm::ConductivityDerivatives::along);
+  writeSensitivity("conductivity_across_sensitivity", &lbm::ConductivityDerivatives::across);
+  if (!found.uncertainty.empty() || !found.acrossUncertainty.empty())
+  {
+    write(
+      "input_error_by_direction", [&](const auto& answer) { return found.inputError(answer); });
+    write("total_error_by_direction", [&](const auto& answer) { return found.totalError(answer); });
+  }
   setFieldNumbers(output, "phase_conductivity", found.conductivity);
   if (!found.across.empty())
     setFieldNumbers(output, "phase_conductivity_across", found.across);

@@ -23,6 +23,8 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   std::vector<lbm::DiffusionAnswer> answers; ///< by direction that was solved
   std::vector<double> conductivity;          ///< by phase id; where it differs across the wall, that along it
   std::vector<double> across;                ///< by phase id; empty: the same in every direction
+  std::vector<double> uncertainty;           ///< of these, half of an interval; empty: none is told
+  std::vector<double> acrossUncertainty;     ///< likewise
   std::vector<double> fractions;             ///< by phase id
   std::vector<std::string> phases;           ///< names by id; of shares low and high, whatever the image's phases
   bool shares = false;                       ///< of two phases, told by greys
@@ -52,6 +54,12 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   /// Mean conductivity, the parallel bound, over the effective one. Of one conducting phase its fraction over
   /// relative().
   [[nodiscard]] double tortuosityFactor(const lbm::DiffusionAnswer& answer) const;
+  /// What the uncertainty of one conductivity leaves of the value, relative. @param across the one across the wall
+  [[nodiscard]] double inputError(const lbm::DiffusionAnswer& answer, std::size_t id, bool across) const;
+  /// All of them, which are independent: the root of the sum of squares; NaN where none is told.
+  [[nodiscard]] double inputError(const lbm::DiffusionAnswer& answer) const;
+  /// With the estimated error; NaN where that or the other is not known.
+  [[nodiscard]] double totalError(const lbm::DiffusionAnswer& answer) const;
   /// Those of one direction alone.
   [[nodiscard]] SteadyFindings along(int axis) const;
 };

@@ -4,9 +4,12 @@
 
 #include "core/Error.h"
 
+#include <fmt/format.h>
+
 #include "vtkDataArray.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lamella
 {
@@ -58,6 +61,30 @@ std::vector<double> acrossById(const PhaseIds& phases, const std::map<std::strin
     if (nodes[id] > 0 && first[id] != second[id])
       return second;
   return {};
+}
+
+std::vector<double> uncertaintyById(const PhaseIds& phases, const std::map<std::string, double>& conductivity,
+  const std::map<std::string, double>& given, std::span<const std::int64_t> nodes)
+{
+  if (given.empty())
+    return {};
+  std::vector<double> result(phases.names.size(), 0.0);
+  for (const auto& [phase, value] : given)
+  {
+    if (!conductivity.contains(phase))
+      throw ParameterError("phase '" + phase + "' has an uncertainty and no conductivity that it is of",
+        "give both by the same name, or by the same number");
+    if (!std::isfinite(value) || value < 0)
+      throw ParameterError(
+        fmt::format("the uncertainty of the conductivity of phase '{}' is {}", phase, value), "give 0 or more");
+    std::map<std::string, double> one;
+    for (const auto& [name, k] : conductivity)
+      one[name] = name == phase ? value : 0;
+    const std::vector<double> byId = conductivityById(phases, one, nodes, "uncertainty");
+    for (std::size_t id = 0; id < result.size(); ++id)
+      result[id] += byId[id];
+  }
+  return result;
 }
 
 } // namespace lamella

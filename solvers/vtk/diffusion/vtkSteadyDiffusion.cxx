@@ -93,6 +93,8 @@ struct vtkSteadyDiffusion::Internals
 {
   std::map<std::string, double> Conductivity;
   std::map<std::string, double> Across; ///< of the phases whose conductivity differs across the wall
+  std::map<std::string, double> Uncertainty;
+  std::map<std::string, double> AcrossUncertainty;
 
   // Of the update that is under way.
   std::vector<double> Values; ///< by id: what is stored where it is above 0
@@ -219,6 +221,25 @@ double vtkSteadyDiffusion::GetConductivityAcross(const char* phase)
   return lamella::named(this->Internal->Across, phase);
 }
 
+vtkSetNamedMacro(vtkSteadyDiffusion, ConductivityUncertainty, ConductivityUncertainties, Internal->Uncertainty);
+vtkSetNamedMacro(
+  vtkSteadyDiffusion, ConductivityAcrossUncertainty, ConductivityAcrossUncertainties, Internal->AcrossUncertainty);
+
+double vtkSteadyDiffusion::GetConductivityUncertainty(const char* phase)
+{
+  return lamella::named(this->Internal->Uncertainty, phase);
+}
+
+double vtkSteadyDiffusion::GetConductivityAcrossUncertainty(const char* phase)
+{
+  return lamella::named(this->Internal->AcrossUncertainty, phase);
+}
+
+bool vtkSteadyDiffusion::TellsSensitivity() const
+{
+  return this->ComputeSensitivity || !this->Internal->Uncertainty.empty() || !this->Internal->AcrossUncertainty.empty();
+}
+
 const lamella::SteadyFindings& vtkSteadyDiffusion::GetFindings() const
 {
   return this->Internal->Found;
@@ -333,9 +354,21 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
         return;
       }
       if (found.rounding)
+      {
+        if (!internal.Uncertainty.empty())
+          throw lamella::ParameterError("uncertainties of conductivities that are interpolated between greys",
+            "leave them out; --sensitivity tells what each grey counts for");
         return;
+      }
       found.conductivity = lamella::conductivityById(scene.phases, internal.Conductivity, scene.nodes);
       found.across = lamella::acrossById(scene.phases, internal.Conductivity, internal.Across, scene.nodes);
+      found.uncertainty =
+        lamella::uncertaintyById(scene.phases, internal.Conductivity, internal.Uncertainty, scene.nodes);
+      found.acrossUncertainty =
+        lamella::uncertaintyById(scene.phases, internal.Across, internal.AcrossUncertainty, scene.nodes);
+      if (!found.across.empty() && this->Lattice == D2Q9 && this->TellsSensitivity())
+        throw lamella::ParameterError("sensitivities to conductivities along and across walls on d2q9",
+          "take q1, or leave the choice of the lattice");
       if (!found.across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9 && this->Lattice != Q1)
         throw lamella::ParameterError(
           std::string("conductivities along and across walls on ") + lbm::name(scene.stencil(this->Lattice)),
@@ -363,7 +396,7 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   found.stencil = scene.stencil(this->Lattice);
   if (!found.across.empty() && this->Lattice == AUTO_LATTICE)
   {
-    const bool links = lattice.dimension == 2 && lattice.cubes() && this->Sides != MIXED &&
+    const bool links = lattice.dimension == 2 && lattice.cubes() && this->Sides != MIXED && !this->TellsSensitivity() &&
       lbm::linksCarry(found.conductivity, found.across);
     found.stencil = links ? lbm::Stencil::D2Q9 : lbm::Stencil::Q1;
   }
@@ -463,7 +496,13 @@ void vtkSteadyDiffusion::TakeShares(const lamella::DiffusionScene& scene)
       throw lamella::ParameterError(fmt::format("the conductivity of {} is {}", name, given->second),
         "give a positive value, or 0 for a phase that does not conduct");
     found.conductivity.push_back(given->second);
+    const auto doubt = internal.Uncertainty.find(name);
+    if (!internal.Uncertainty.empty())
+      found.uncertainty.push_back(doubt == internal.Uncertainty.end() ? 0.0 : doubt->second);
   }
+  for (const auto& [name, value] : internal.Uncertainty)
+    if ((name != "low" && name != "high") || !std::isfinite(value) || value < 0)
+      throw lamella::ParameterError(fmt::format("an uncertainty of {} of '{}'", value, name), remedy);
   double sum = 0;
   for (std::size_t id = 0; id < scene.nodes.size(); ++id)
   {
@@ -519,6 +558,8 @@ void vtkSteadyDiffusion::SolveInBlocks(
     lbm::DiffusionAnswer answer;
     answer.axis = axis;
     answer.result = solver.solve(axis);
+    if (this->TellsSensitivity())
+      answer.derivatives = solver.derivatives();
     lbm::RefinementStep step;
     step.value = answer.result.effective[static_cast<std::size_t>(axis)];
     step.nodes = answer.result.nodes;
@@ -546,6 +587,7 @@ void vtkSteadyDiffusion::SolveGathered(
   study.axes = internal.Axes;
   study.refinement = this->Refinement;
   study.estimateError = this->EstimateError;
+  study.derivatives = this->TellsSensitivity();
   study.directed = internal.Directed;
   if (this->TargetError > 0)
   {

@@ -33,6 +33,12 @@
  *   their greys; 0: each grey has its own. By it at most the effective one is off
  * - `phase_conductivity`: by phase id; `phase_fraction` likewise; `phase_names`. Where one differs across the wall
  *   also `phase_conductivity_across`
+ * - with ComputeSensitivity `conductivity_sensitivity`: 3 numbers a phase, ∂K/∂k of the effective conductivity along x,
+ *   y, z by that of the phase; of greys as shares by those of low and high. NaN where it does not conduct, or that
+ *   direction was not solved. K = Σ k ∂K/∂k. Of phases with two conductivities that is the one along; also
+ *   `conductivity_across_sensitivity`
+ * - with uncertainties `input_error_by_direction`: 3 numbers, what they leave of the effective conductivity, relative;
+ *   `total_error_by_direction`: the root of the squares of that and of the estimated error, where there is one
  * - `direction` ("x", "y", "z" or "all"), `sides`, `lattice`, `phase_array` (the array of the ids): strings
  * - `target`, where there is a target error: "reached", "picture too coarse", "memory short"
  * - `provenance`: one JSON string.
@@ -110,6 +116,38 @@ public:
   void RemoveAllConductivitiesAcross();
   /** NaN when the phase has none. */
   double GetConductivityAcross(const char* phase);
+  ///@}
+
+  ///@{
+  /**
+   * How far a conductivity may be off, one phase a row, in its unit: half of the interval that holds it 19 times out of
+   * 20. The output then tells what that leaves of the effective one, and ComputeSensitivity is on. Independent of each
+   * other.
+   *
+   * `phase` is the word that SetConductivity() was given.
+   * @title Uncertainty of conductivities
+   * @group Materials
+   * @columns Phase, Plus or minus
+   * @advanced
+   */
+  void SetConductivityUncertainty(const char* phase, double value);
+  void RemoveAllConductivityUncertainties();
+  /** NaN when the phase has none. */
+  double GetConductivityUncertainty(const char* phase);
+  ///@}
+
+  ///@{
+  /**
+   * The same of conductivities across the wall.
+   * @title Uncertainty of conductivities across the wall
+   * @group Materials
+   * @columns Phase, Plus or minus
+   * @advanced
+   */
+  void SetConductivityAcrossUncertainty(const char* phase, double value);
+  void RemoveAllConductivityAcrossUncertainties();
+  /** NaN when the phase has none. */
+  double GetConductivityAcrossUncertainty(const char* phase);
   ///@}
 
   /**
@@ -208,6 +246,15 @@ public:
   vtkGetMacro(EstimatedError, double);
 
   /**
+   * Also tell how the effective conductivity changes with each phase's: exactly, from the energy of the field that is
+   * there anyway. Conductivities along and across then go on elements.
+   * @word sensitivity
+   * @group Accuracy and cost
+   * @advanced
+   */
+  vtkSwitchMacro(ComputeSensitivity, false);
+
+  /**
    * Refine until the estimated error is below this share, as far as the picture's own pixels and memory allow; 0: no
    * target. What it will take is told beforehand, a target that is not reached is warned of.
    * @group Accuracy and cost
@@ -242,6 +289,7 @@ protected:
 private:
   struct Internals;
   class FieldStore;
+  bool TellsSensitivity() const;
   void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
   /// What of the settings and the image the solver takes. @throws Error on every rank
   void TakeShares(const lamella::DiffusionScene& scene);

@@ -1,0 +1,300 @@
+#include "statistics/Fit.h"
+
+#include "core/Error.h"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace lamella::statistics
+{
+namespace
+{
+
+constexpr double differenceStep = 0.05; // of a logarithm
+constexpr double mostStep = 1.5;        // of a logarithm, at once
+constexpr double farthest = 14;         // from the start: six decades
+const double mostUncertain = std::log(10.0);
+constexpr double alone = 0.8; // of a direction's square, for one parameter to be named
+constexpr double leastFall = 1e-6;
+constexpr double leastCurvature = 1e-9; // of the largest one
+constexpr double smallStep = 0.02;      // of a parameter's standard deviation: no more steps are worth it
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+// The upper incomplete gamma function over the complete one, by its series or continued fraction (Abramowitz & Stegun
+// 6.5.29, 6.5.31).
+double upperGamma(double a, double x)
+{
+  if (!(x > 0))
+    return 1;
+  const double scale = std::exp(a * std::log(x) - x - std::lgamma(a));
+  if (x < a + 1)
+  {
+    double term = 1 / a;
+    double sum = term;
+    for (int k = 1; k < 1000 && std::abs(term) > 1e-16 * sum; ++k)
+      sum += term *= x / (a + k);
+    return 1 - scale * sum;
+  }
+  double b = x + 1 - a;
+  double c = 1e300;
+  double d = 1 / b;
+  double fraction = d;
+  for (int k = 1; k < 1000; ++k)
+  {
+    const double an = -k * (k - a);
+    b += 2;
+    d = 1 / (an * d + b);
+    c = b + an / c;
+    fraction *= d * c;
+    if (std::abs(d * c - 1) < 1e-15)
+      break;
+  }
+  return scale * fraction;
+}
+
+VectorXd sigmasOf(const std::vector<FitMeasurement>& measurements)
+{
+  VectorXd sigma(static_cast<Eigen::Index>(measurements.size()));
+  for (std::size_t j = 0; j < measurements.size(); ++j)
+    sigma(static_cast<Eigen::Index>(j)) = measurements[j].halfWidth / coverage95;
+  return sigma;
+}
+
+class Fitting
+{
+public:
+  Fitting(const std::vector<FitParameter>& parameters, const std::vector<FitMeasurement>& measurements,
+    const std::function<FitEvaluation(std::span<const double>)>& model, const FitOptions& options)
+    : parameters_(parameters)
+    , measurements_(measurements)
+    , model_(model)
+    , options_(options)
+    , m_(static_cast<Eigen::Index>(parameters.size()))
+    , n_(static_cast<Eigen::Index>(measurements.size()))
+    , sigma_(sigmasOf(measurements))
+    , start_(m_)
+  {
+    check();
+    for (Eigen::Index i = 0; i < m_; ++i)
+      start_(i) = std::log(parameters[static_cast<std::size_t>(i)].start);
+  }
+
+  FitResult run()
+  {
+    VectorXd x = start_;
+    Point here = evaluate(x);
+    if (here.jacobian.size() == 0)
+      differences(x, here);
+    double damping = 1e-3;
+    bool settled = false;
+    while (!settled)
+    {
+      const MatrixXd normal = here.jacobian.transpose() * here.jacobian;
+      MatrixXd damped = normal;
+      damped.diagonal() *= 1 + damping;
+      damped.diagonal().array() += leastCurvature * normal.diagonal().maxCoeff(); // of what hardly matters
+      VectorXd step = damped.ldlt().solve(-here.jacobian.transpose() * here.rest);
+      if (const double longest = step.cwiseAbs().maxCoeff(); longest > mostStep)
+        step *= mostStep / longest;
+      const VectorXd next = x + step;
+      requireNear(next);
+      const MatrixXd covariance = normal.completeOrthogonalDecomposition().pseudoInverse();
+      settled = true;
+      for (Eigen::Index i = 0; i < m_; ++i)
+        settled = settled && std::abs(step(i)) <= std::max(options_.tolerance, smallStep * std::sqrt(covariance(i, i)));
+      Point there = evaluate(next);
+      const bool differs = there.jacobian.size() == 0;
+      if (differs) // Broyden
+        there.jacobian =
+          here.jacobian + (there.rest - here.rest - here.jacobian * step) * step.transpose() / step.squaredNorm();
+      if (there.rest.squaredNorm() <= here.rest.squaredNorm() * (1 + leastFall))
+      {
+        x = next;
+        here = there;
+        damping = std::max(damping / 10, 1e-9);
+        continue;
+      }
+      settled = false;
+      damping *= 30;
+      if (differs)
+        differences(x, here);
+      if (damping > 1e8)
+        settled = true; // as far as it goes
+    }
+    if (!told_)
+      differences(x, here);
+    requireTold(here.jacobian);
+    return resultOf(x, here);
+  }
+
+private:
+  struct Point
+  {
+    std::vector<double> values;
+    VectorXd rest;     ///< value less measurement, over the standard deviation
+    MatrixXd jacobian; ///< of that, by logarithms
+  };
+
+  void check() const
+  {
+    if (m_ == 0 || n_ < m_)
+      throw ParameterError(fmt::format("{} measurements for {} unknowns", n_, m_),
+        m_ == 0 ? "name what is looked for" : "give at least as many measurements as there are unknowns");
+    for (const FitParameter& p : parameters_)
+      if (!(std::isfinite(p.start) && p.start > 0))
+        throw ParameterError(fmt::format("{} is looked for from {}", p.name, p.start), "start from a positive number");
+    for (const FitMeasurement& m : measurements_)
+      if (!std::isfinite(m.value) || !(std::isfinite(m.halfWidth) && m.halfWidth > 0))
+        throw ParameterError(fmt::format("{} was measured as {} ± {}", m.name, m.value, m.halfWidth),
+          "give a value and how far it may be off, above 0");
+  }
+
+  Point evaluate(const VectorXd& x)
+  {
+    if (evaluations_ >= options_.mostEvaluations)
+      throw DivergenceError(
+        fmt::format("no fit after {} evaluations", evaluations_), "start nearer to what is looked for");
+    std::vector<double> p;
+    for (const double value : x)
+      p.push_back(std::exp(value));
+    const FitEvaluation found = model_(p);
+    ++evaluations_;
+    if (options_.progress && !options_.progress(evaluations_))
+      throw Cancelled();
+    Point point{ found.values, VectorXd(n_), {} };
+    for (Eigen::Index j = 0; j < n_; ++j)
+    {
+      const auto at = static_cast<std::size_t>(j);
+      point.rest(j) = (found.values[at] - measurements_[at].value) / sigma_(j);
+    }
+    if (!point.rest.allFinite())
+      throw DivergenceError("the model's values are not finite", "start nearer to what is looked for");
+    told_ = !found.derivatives.empty();
+    if (told_)
+    {
+      point.jacobian.resize(n_, m_);
+      for (Eigen::Index j = 0; j < n_; ++j)
+        for (Eigen::Index i = 0; i < m_; ++i)
+          point.jacobian(j, i) =
+            found.derivatives[static_cast<std::size_t>(j * m_ + i)] * p[static_cast<std::size_t>(i)] / sigma_(j);
+    }
+    return point;
+  }
+
+  void differences(const VectorXd& x, Point& point)
+  {
+    point.jacobian.resize(n_, m_);
+    for (Eigen::Index i = 0; i < m_; ++i)
+    {
+      VectorXd beside = x;
+      beside(i) += differenceStep;
+      point.jacobian.col(i) = (evaluate(beside).rest - point.rest) / differenceStep;
+    }
+  }
+
+  // Each direction that no measurement tells of is named by its parameters.
+  void requireTold(const MatrixXd& jacobian) const
+  {
+    const Eigen::JacobiSVD<MatrixXd> svd(jacobian, Eigen::ComputeFullV);
+    const Eigen::Index last = m_ - 1;
+    const double least = svd.singularValues()(last);
+    const double width = least > 0 ? coverage95 / least : std::numeric_limits<double>::infinity();
+    if (width <= mostUncertain)
+      return;
+    const VectorXd direction = svd.matrixV().col(last);
+    Eigen::Index most = 0;
+    (void)direction.cwiseAbs().maxCoeff(&most);
+    const auto nameOf = [&](Eigen::Index i) { return parameters_[static_cast<std::size_t>(i)].name; };
+    if (direction(most) * direction(most) >= alone)
+    {
+      const double effect = jacobian.col(most).cwiseAbs().maxCoeff() / coverage95; // of a change e-fold, in half widths
+      throw InputError(
+        fmt::format(
+          "the measurements do not tell {}: ten times as much of it changes them by {:.2g} of their uncertainty",
+          nameOf(most), effect * mostUncertain),
+        "give it a value, or measure something that depends on it, or more accurately");
+    }
+    std::string names;
+    for (Eigen::Index i = 0; i < m_; ++i)
+      if (std::abs(direction(i)) > 0.2)
+        names += (names.empty() ? "" : " and ") + nameOf(i);
+    throw InputError("the measurements tell " + names + " only together: one may be more if the other is less",
+      "give one of them a value, or measure along another direction, on another sample, or more accurately");
+  }
+
+  void requireNear(const VectorXd& x) const
+  {
+    for (Eigen::Index i = 0; i < m_; ++i)
+      if (std::abs(x(i) - start_(i)) > farthest)
+        throw InputError(fmt::format("no value of {} fits: it would go to {:.1e}",
+                           parameters_[static_cast<std::size_t>(i)].name, std::exp(x(i))),
+          "the sample cannot have what was measured, whatever it is: look at the units and at the other phases");
+  }
+
+  FitResult resultOf(const VectorXd& x, const Point& point) const
+  {
+    FitResult r;
+    r.values = point.values;
+    r.derivatives.resize(static_cast<std::size_t>(n_ * m_));
+    for (Eigen::Index j = 0; j < n_; ++j)
+      for (Eigen::Index i = 0; i < m_; ++i)
+        r.derivatives[static_cast<std::size_t>(j * m_ + i)] = point.jacobian(j, i) * sigma_(j) / std::exp(x(i));
+    for (const double value : x)
+      r.parameters.push_back({ std::exp(value), 0, 0 });
+    r.misfit = point.rest.squaredNorm();
+    r.freedom = static_cast<int>(n_ - m_);
+    r.chance = r.freedom > 0 ? upperGamma(0.5 * r.freedom, 0.5 * r.misfit) : 1;
+    r.evaluations = evaluations_;
+    widen(r, measurements_);
+    return r;
+  }
+
+  const std::vector<FitParameter>& parameters_;
+  const std::vector<FitMeasurement>& measurements_;
+  const std::function<FitEvaluation(std::span<const double>)>& model_;
+  const FitOptions& options_;
+  Eigen::Index m_;
+  Eigen::Index n_;
+  VectorXd sigma_;
+  VectorXd start_; ///< logarithms
+  int evaluations_ = 0;
+  bool told_ = false; ///< derivatives, by the model
+};
+
+} // namespace
+
+FitResult fit(const std::vector<FitParameter>& parameters, const std::vector<FitMeasurement>& measurements,
+  const std::function<FitEvaluation(std::span<const double>)>& model, const FitOptions& options)
+{
+  return Fitting(parameters, measurements, model, options).run();
+}
+
+void widen(FitResult& result, const std::vector<FitMeasurement>& measurements)
+{
+  const auto m = static_cast<Eigen::Index>(result.parameters.size());
+  const auto n = static_cast<Eigen::Index>(measurements.size());
+  const VectorXd sigma = sigmasOf(measurements);
+  MatrixXd jacobian(n, m);
+  for (Eigen::Index j = 0; j < n; ++j)
+    for (Eigen::Index i = 0; i < m; ++i)
+      jacobian(j, i) = result.derivatives[static_cast<std::size_t>(j * m + i)] *
+        result.parameters[static_cast<std::size_t>(i)].value / sigma(j);
+  const MatrixXd covariance = (jacobian.transpose() * jacobian).inverse();
+  result.covariance.assign(covariance.data(), covariance.data() + m * m);
+  for (Eigen::Index i = 0; i < m; ++i)
+  {
+    FittedParameter& p = result.parameters[static_cast<std::size_t>(i)];
+    const double factor = std::exp(coverage95 * std::sqrt(covariance(i, i)));
+    p.low = p.value / factor;
+    p.high = p.value * factor;
+  }
+}
+
+} // namespace lamella::statistics

@@ -1,0 +1,132 @@
+#include "statistics/Fit.h"
+
+#include "core/Error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+namespace
+{
+
+using namespace lamella;
+using namespace lamella::statistics;
+
+// Layers of two conductors, along them and across.
+FitEvaluation layers(std::span<const double> k, bool derivatives)
+{
+  const double f = 0.3;
+  const double series = 1 / (f / k[0] + (1 - f) / k[1]);
+  FitEvaluation e{ { f * k[0] + (1 - f) * k[1], series }, {} };
+  if (derivatives)
+    e.derivatives = { f, 1 - f, series * series * f / (k[0] * k[0]), series * series * (1 - f) / (k[1] * k[1]) };
+  return e;
+}
+
+std::string errorOf(const auto& f)
+{
+  try
+  {
+    f();
+  }
+  catch (const Error& e)
+  {
+    return e.what();
+  }
+  return "";
+}
+
+TEST(Fit, FindsWhatMadeTheMeasurements)
+{
+  const FitEvaluation truth = layers(std::vector{ 0.4, 2.0 }, false);
+  const std::vector<FitMeasurement> measured{ { "along", truth.values[0], 0.01 }, { "across", truth.values[1], 0.01 } };
+  for (const bool derivatives : { true, false })
+    for (const double start : { 0.02, 1.0, 20.0 })
+    {
+      const FitResult r = fit({ { "first", start }, { "second", 1.5 * start } }, measured,
+        [&](std::span<const double> k) { return layers(k, derivatives); });
+      EXPECT_NEAR(r.parameters[0].value, 0.4, 1e-3);
+      EXPECT_NEAR(r.parameters[1].value, 2.0, 2e-3);
+      EXPECT_LT(r.parameters[0].low, 0.4);
+      EXPECT_GT(r.parameters[0].high, 0.4);
+      EXPECT_LT(r.misfit, 0.01);
+      EXPECT_EQ(r.freedom, 0);
+      EXPECT_LE(r.evaluations, derivatives ? 12 : 24);
+    }
+}
+
+// Intervals hold the truth 19 times out of 20: 1000 measurements with errors of 2 %.
+TEST(Fit, IntervalsHold)
+{
+  std::mt19937_64 random(7);
+  std::normal_distribution<double> normal;
+  const std::vector<double> k{ 0.7, 2.0 };
+  const FitEvaluation truth = layers(k, false);
+  int held = 0;
+  int chances = 0;
+  const int times = 1000;
+  for (int i = 0; i < times; ++i)
+  {
+    std::vector<FitMeasurement> measured;
+    for (int again = 0; again < 2; ++again)
+      for (std::size_t j = 0; j < 2; ++j)
+      {
+        const double sigma = 0.01 * truth.values[j];
+        measured.push_back({ "value", truth.values[j] + sigma * normal(random), coverage95 * sigma });
+      }
+    const FitResult r = fit({ { "first", 0.5 }, { "second", 3 } }, measured, // k₁ > k₂ would fit, too
+      [&](std::span<const double> p)
+      {
+        FitEvaluation e = layers(p, true);
+        e.values.insert(e.values.end(), e.values.begin(), e.values.begin() + 2);
+        e.derivatives.insert(e.derivatives.end(), e.derivatives.begin(), e.derivatives.begin() + 4);
+        return e;
+      });
+    for (std::size_t p = 0; p < 2; ++p)
+      held += r.parameters[p].low <= k[p] && k[p] <= r.parameters[p].high ? 1 : 0;
+    EXPECT_EQ(r.freedom, 2);
+    chances += r.chance < 0.1 ? 1 : 0;
+  }
+  // three standard deviations of 2000 and of 1000 draws
+  EXPECT_NEAR(held / (2.0 * times), 0.95, 3 * std::sqrt(0.95 * 0.05 / times));
+  EXPECT_NEAR(chances / static_cast<double>(times), 0.1, 3 * std::sqrt(0.1 * 0.9 / times));
+}
+
+TEST(Fit, SaysWhatItCannotTell)
+{
+  const auto fitted = [](const std::vector<FitParameter>& p, const std::vector<FitMeasurement>& m, const auto& model)
+  { return errorOf([&] { (void)fit(p, m, model); }); };
+  const auto one = [](std::span<const double> k) { return FitEvaluation{ { k[0] + 1e-4 * k[1], k[0] }, {} }; };
+  EXPECT_NE(
+    fitted({ { "wall", 1 }, { "air", 1 } }, { { "x", 0.4, 0.01 }, { "y", 0.4, 0.01 } }, one).find("do not tell air"),
+    std::string::npos);
+  const auto sum = [](std::span<const double> k) { return FitEvaluation{ { k[0] + k[1], 2 * (k[0] + k[1]) }, {} }; };
+  EXPECT_NE(fitted({ { "wall", 1 }, { "air", 1 } }, { { "x", 3, 0.01 }, { "y", 6, 0.01 } }, sum)
+              .find("wall and air only together"),
+    std::string::npos);
+  const auto floor = [](std::span<const double> k) { return FitEvaluation{ { 1 + k[0] }, {} }; };
+  EXPECT_NE(fitted({ { "wall", 1 } }, { { "x", 0.5, 0.001 } }, floor).find("no value of wall fits"), std::string::npos);
+  EXPECT_THROW((void)fit({ { "wall", 1 }, { "air", 1 } }, { { "x", 1, 0.1 } }, sum), ParameterError);
+  EXPECT_THROW((void)fit({ { "wall", -1 } }, { { "x", 1, 0.1 } }, floor), ParameterError);
+  EXPECT_THROW((void)fit({ { "wall", 1 } }, { { "x", 1, 0 } }, floor), ParameterError);
+  FitOptions o;
+  o.progress = [](int) { return false; };
+  EXPECT_THROW((void)fit({ { "wall", 1 } }, { { "x", 2, 0.1 } }, floor, o), Cancelled);
+}
+
+TEST(Fit, WiderMeasurementsWidenIntervals)
+{
+  const std::vector<FitMeasurement> measured{ { "x", 2, 0.02 } };
+  FitResult r = fit({ { "wall", 1 } }, measured,
+    [](std::span<const double> k) {
+      return FitEvaluation{ { k[0] }, { 1 } };
+    });
+  EXPECT_NEAR(r.parameters[0].high, 2.02, 1e-3);
+  widen(r, { { "x", 2, 0.2 } });
+  EXPECT_NEAR(r.parameters[0].high, 2 * std::exp(0.1), 1e-9);
+}
+
+} // namespace
