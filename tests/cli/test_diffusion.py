@@ -314,7 +314,7 @@ class Walls(Case):
         alone = self.works("diffusion", *words, "--conductivity", "lumen=0.026,wall=0.41+-0.02", "--no-error-estimate", "--json", ranks=2).json()
         self.assertAlmostEqual(alone["input_errors"]["x"], answer["input_errors"]["x"], delta=1e-6)
         self.assertIsNone(alone["total_errors"]["x"])
-        both = self.works("diffusion", *self.lattice(), "--conductivity", "wall=1.2±0.1:0.8±0.2", "--json").json()
+        both = self.works("diffusion", *words, "--conductivity", "lumen=0.023", "--conductivity", "wall=1.2±0.1:0.8±0.2", "--json").json()
         self.assertEqual(both["lattice"], "q1")
         wall = both["sensitivity"]["x"]
         self.assertAlmostEqual(0.023 * wall["lumen"] + 1.2 * wall["wall"] + 0.8 * wall["wall:across"], both["effective"]["x"], delta=1e-9)

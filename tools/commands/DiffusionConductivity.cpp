@@ -40,25 +40,17 @@ double parseValue(const std::string& text, const std::string& number)
   return *value;
 }
 
-// VALUE or VALUE±HALF_WIDTH; +- is the same.
 double parseWithUncertainty(const std::string& text, const std::string& number, double& uncertainty)
 {
-  std::size_t length = std::string_view("±").size();
-  std::size_t at = number.find("±");
-  if (at == std::string::npos)
-  {
-    at = number.find("+-");
-    length = 2;
-  }
-  if (at == std::string::npos)
+  const auto [value, width] = splitUncertainty(number);
+  if (value == number)
     return parseValue(text, number);
-  const auto half = toNumber(number.substr(at + length));
+  const auto half = toNumber(width);
   if (!half || !std::isfinite(*half) || *half < 0)
-    throw ParameterError(fmt::format("--conductivity '{}': '{}' is not how far a conductivity may be off", text,
-                           number.substr(at + length)),
+    throw ParameterError(fmt::format("--conductivity '{}': '{}' is not how far a conductivity may be off", text, width),
       "write half of the interval that holds it, in its unit, such as wall=0.41±0.02");
   uncertainty = *half;
-  return parseValue(text, number.substr(0, at));
+  return parseValue(text, value);
 }
 
 std::string valueText(const GivenConductivity& given)

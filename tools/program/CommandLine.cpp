@@ -135,7 +135,7 @@ std::vector<Command> addCommands(CLI::App& root)
     packingCommand(root), bridgesCommand(root), equilibriumCommand(root), fractureCommand(root), dynamicsCommand(root),
     compressionCommand(root), stiffnessCommand(root), bondStiffnessCommand(root), poreFloodFillCommand(root),
     micrographCommand(root), stressPdfCommand(root), crackPathCommand(root), compressionCurveCommand(root),
-    collapseMapCommand(root), snapshotCommand(root) };
+    collapseMapCommand(root), fitCommand(root), snapshotCommand(root) };
 }
 
 bool parseWords(CLI::App& root, const std::vector<std::string>& words)

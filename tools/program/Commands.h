@@ -31,6 +31,7 @@ struct Command
 
 [[nodiscard]] Command generateCommand(CLI::App& root);
 [[nodiscard]] Command diffusionCommand(CLI::App& root);
+[[nodiscard]] Command fitCommand(CLI::App& root);
 [[nodiscard]] Command transientCommand(CLI::App& root);
 [[nodiscard]] Command equilibriumCommand(CLI::App& root);
 [[nodiscard]] Command dynamicsCommand(CLI::App& root);

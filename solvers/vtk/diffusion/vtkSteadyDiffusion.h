@@ -120,7 +120,8 @@ public:
 
   ///@{
   /**
-   * How far a conductivity may be off, one phase a row, in its unit: half of the interval that holds it 19 times out of
+   * How far a conductivity may be off, one phase a row, in any unit that the conductivities have: half of the interval
+   * that holds it 19 times out of
    * 20. The output then tells what that leaves of the effective one, and ComputeSensitivity is on. Independent of each
    * other.
    *
@@ -138,7 +139,7 @@ public:
 
   ///@{
   /**
-   * The same of conductivities across the wall.
+   * The same of conductivities across the wall, in any unit that those have.
    * @title Uncertainty of conductivities across the wall
    * @group Materials
    * @columns Phase, Plus or minus
