@@ -9,6 +9,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 namespace lamella::statistics
 {
@@ -21,8 +23,11 @@ constexpr double farthest = 14;         // from the start: six decades
 const double mostUncertain = std::log(10.0);
 constexpr double alone = 0.8; // of a direction's square, for one parameter to be named
 constexpr double leastFall = 1e-6;
+constexpr double mostDamping = 1e8;
+constexpr double farOff = 3;            // standard deviations
 constexpr double leastCurvature = 1e-9; // of the largest one
-constexpr double smallStep = 0.02;      // of a parameter's standard deviation: no more steps are worth it
+constexpr double smallStep = 0.05;      // of a measurement's standard deviation: no more steps are worth it
+constexpr double farDifferences = 0.3;  // of a logarithm: made anew at the end where they are from farther away
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -90,46 +95,51 @@ public:
   {
     VectorXd x = start_;
     Point here = evaluate(x);
-    if (here.jacobian.size() == 0)
+    scale(x, here);
+    VectorXd madeAt = x; // differences
+    if (!told_)
       differences(x, here);
     double damping = 1e-3;
-    bool settled = false;
-    while (!settled)
+    for (;;)
     {
       const MatrixXd normal = here.jacobian.transpose() * here.jacobian;
       MatrixXd damped = normal;
       damped.diagonal() *= 1 + damping;
       damped.diagonal().array() += leastCurvature * normal.diagonal().maxCoeff(); // of what hardly matters
       VectorXd step = damped.ldlt().solve(-here.jacobian.transpose() * here.rest);
-      if (const double longest = step.cwiseAbs().maxCoeff(); longest > mostStep)
-        step *= mostStep / longest;
+      const bool cut = step.cwiseAbs().maxCoeff() > mostStep;
+      step = step.cwiseMax(-mostStep).cwiseMin(mostStep); // what hardly matters may want to go far
       const VectorXd next = x + step;
-      requireNear(next);
-      const MatrixXd covariance = normal.completeOrthogonalDecomposition().pseudoInverse();
-      settled = true;
-      for (Eigen::Index i = 0; i < m_; ++i)
-        settled = settled && std::abs(step(i)) <= std::max(options_.tolerance, smallStep * std::sqrt(covariance(i, i)));
-      Point there = evaluate(next);
-      const bool differs = there.jacobian.size() == 0;
-      if (differs) // Broyden
-        there.jacobian =
-          here.jacobian + (there.rest - here.rest - here.jacobian * step) * step.transpose() / step.squaredNorm();
-      if (there.rest.squaredNorm() <= here.rest.squaredNorm() * (1 + leastFall))
+      requireNear(next, x, here);
+      const bool settled = damping < 1 && !cut &&
+        (step.cwiseAbs().maxCoeff() <= options_.tolerance || (here.jacobian * step).cwiseAbs().maxCoeff() <= smallStep);
+      if (settled || damping > mostDamping) // or as far as it goes
+      {
+        if (!told_ && (x - madeAt).cwiseAbs().maxCoeff() > farDifferences)
+          differences(x, here);
+        if (settled)
+          take(step, x, here);
+        break;
+      }
+      std::optional<Point> there = tried(next);
+      if (there && !told_) // Broyden
+        there->jacobian =
+          here.jacobian + (there->rest - here.rest - here.jacobian * step) * step.transpose() / step.squaredNorm();
+      if (there && there->rest.squaredNorm() <= here.rest.squaredNorm() * (1 + leastFall))
       {
         x = next;
-        here = there;
+        here = *std::move(there);
         damping = std::max(damping / 10, 1e-9);
         continue;
       }
-      settled = false;
-      damping *= 30;
-      if (differs)
+      damping = std::max(30 * damping, 0.1);
+      if (there && !told_ && (x - madeAt).cwiseAbs().maxCoeff() > 0)
+      {
         differences(x, here);
-      if (damping > 1e8)
-        settled = true; // as far as it goes
+        madeAt = x;
+      }
     }
-    if (!told_)
-      differences(x, here);
+    requireReached(x, here);
     requireTold(here.jacobian);
     return resultOf(x, here);
   }
@@ -154,6 +164,54 @@ private:
       if (!std::isfinite(m.value) || !(std::isfinite(m.halfWidth) && m.halfWidth > 0))
         throw ParameterError(fmt::format("{} was measured as {} ± {}", m.name, m.value, m.halfWidth),
           "give a value and how far it may be off, above 0");
+  }
+
+  // All that scale, by what measurements are of the values.
+  void scale(VectorXd& x, Point& here)
+  {
+    double sum = 0;
+    int count = 0;
+    for (std::size_t j = 0; j < measurements_.size(); ++j)
+      if (measurements_[j].value > 0 && here.values[j] > 0)
+      {
+        sum += std::log(measurements_[j].value / here.values[j]);
+        ++count;
+      }
+    const bool any = std::ranges::any_of(parameters_, [](const FitParameter& p) { return p.scales; });
+    if (!any || count == 0)
+      return;
+    VectorXd scaled = x;
+    for (Eigen::Index i = 0; i < m_; ++i)
+      if (parameters_[static_cast<std::size_t>(i)].scales)
+        scaled(i) += sum / count;
+    if (std::optional<Point> there = tried(scaled))
+    {
+      x = start_ = scaled;
+      here = *std::move(there);
+    }
+  }
+
+  // The last step, as the model made linear has it.
+  void take(const VectorXd& step, VectorXd& x, Point& here) const
+  {
+    x += step;
+    const VectorXd change = here.jacobian * step;
+    here.rest += change;
+    for (Eigen::Index j = 0; j < n_; ++j)
+      here.values[static_cast<std::size_t>(j)] += change(j) * sigma_(j);
+  }
+
+  // None where the model cannot have these parameters.
+  std::optional<Point> tried(const VectorXd& x)
+  {
+    try
+    {
+      return evaluate(x);
+    }
+    catch (const ParameterError&)
+    {
+      return std::nullopt;
+    }
   }
 
   Point evaluate(const VectorXd& x)
@@ -195,7 +253,14 @@ private:
     {
       VectorXd beside = x;
       beside(i) += differenceStep;
-      point.jacobian.col(i) = (evaluate(beside).rest - point.rest) / differenceStep;
+      std::optional<Point> there = tried(beside);
+      const double step = there ? differenceStep : -differenceStep;
+      if (!there)
+      {
+        beside(i) = x(i) + step;
+        there = evaluate(beside);
+      }
+      point.jacobian.col(i) = (there->rest - point.rest) / step;
     }
   }
 
@@ -229,13 +294,31 @@ private:
       "give one of them a value, or measure along another direction, on another sample, or more accurately");
   }
 
-  void requireNear(const VectorXd& x) const
+  // As many unknowns as measurements meet them, if anything does.
+  void requireReached(const VectorXd& x, const Point& point) const
   {
+    Eigen::Index worst = 0;
+    if (n_ > m_ || point.rest.cwiseAbs().maxCoeff(&worst) < farOff)
+      return;
+    const auto j = static_cast<std::size_t>(worst);
+    std::string names;
     for (Eigen::Index i = 0; i < m_; ++i)
-      if (std::abs(x(i) - start_(i)) > farthest)
-        throw InputError(fmt::format("no value of {} fits: it would go to {:.1e}",
-                           parameters_[static_cast<std::size_t>(i)].name, std::exp(x(i))),
-          "the sample cannot have what was measured, whatever it is: look at the units and at the other phases");
+      names +=
+        fmt::format("{}{} {:.3g}", i > 0 ? ", " : "", parameters_[static_cast<std::size_t>(i)].name, std::exp(x(i)));
+    throw InputError(
+      fmt::format("nothing fits: the nearest, {}, has {} = {:.5g}, and {:.5g} ± {:.2g} was measured", names,
+        measurements_[j].name, point.values[j], measurements_[j].value, measurements_[j].halfWidth),
+      "the sample cannot have what was measured, whatever it is: look at the units and at the other phases");
+  }
+
+  // Far away a parameter is one that nothing tells, or that nothing fits.
+  void requireNear(const VectorXd& next, const VectorXd& x, const Point& here) const
+  {
+    if ((next - start_).cwiseAbs().maxCoeff() <= farthest)
+      return;
+    requireReached(x, here);
+    requireTold(here.jacobian);
+    throw DivergenceError("the search for what fits goes ever farther away", "start nearer to what is looked for");
   }
 
   FitResult resultOf(const VectorXd& x, const Point& point) const

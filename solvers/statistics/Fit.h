@@ -17,6 +17,9 @@ struct FitParameter
 {
   std::string name;
   double start = 1;
+  /// All that scale at once multiply the model's values by what they are multiplied by, or nearly: the search begins
+  /// with that.
+  bool scales = false;
 };
 
 /// What was measured, with half of the interval that holds it 19 times out of 20.
@@ -36,7 +39,8 @@ struct FitEvaluation
 
 struct FitOptions
 {
-  /// Steps end where none is more than this share of a parameter, or a fiftieth of its standard deviation.
+  /// Steps end where none is more than this share of a parameter, or changes a value by more than a twentieth of its
+  /// measurement's standard deviation.
   double tolerance = 1e-4;
   int mostEvaluations = 40;
   /// Told how many evaluations are done; false cancels.
@@ -66,7 +70,7 @@ struct FitResult
 /// logarithms, on the model's derivatives, or where it tells none on differences that Broyden's updates keep (Nocedal &
 /// Wright, Numerical Optimization, 2006, chapters 10 and 11), made anew at the end.
 ///
-/// Intervals are those of the model made linear there.
+/// Intervals are those of the model made linear there. Where `model` throws a ParameterError a step was too long.
 ///
 /// @throws ParameterError: fewer measurements than parameters, values not finite or not positive; InputError where the
 ///   measurements do not tell a parameter (its interval would span more than two decades), with its name and the

@@ -108,7 +108,7 @@ TEST(Fit, SaysWhatItCannotTell)
               .find("wall and air only together"),
     std::string::npos);
   const auto floor = [](std::span<const double> k) { return FitEvaluation{ { 1 + k[0] }, {} }; };
-  EXPECT_NE(fitted({ { "wall", 1 } }, { { "x", 0.5, 0.001 } }, floor).find("no value of wall fits"), std::string::npos);
+  EXPECT_NE(fitted({ { "wall", 1 } }, { { "x", 0.5, 0.001 } }, floor).find("nothing fits"), std::string::npos);
   EXPECT_THROW((void)fit({ { "wall", 1 }, { "air", 1 } }, { { "x", 1, 0.1 } }, sum), ParameterError);
   EXPECT_THROW((void)fit({ { "wall", -1 } }, { { "x", 1, 0.1 } }, floor), ParameterError);
   EXPECT_THROW((void)fit({ { "wall", 1 } }, { { "x", 1, 0 } }, floor), ParameterError);
@@ -126,7 +126,7 @@ TEST(Fit, WiderMeasurementsWidenIntervals)
     });
   EXPECT_NEAR(r.parameters[0].high, 2.02, 1e-3);
   widen(r, { { "x", 2, 0.2 } });
-  EXPECT_NEAR(r.parameters[0].high, 2 * std::exp(0.1), 1e-9);
+  EXPECT_NEAR(r.parameters[0].high, 2 * std::exp(0.1), 1e-4);
 }
 
 } // namespace

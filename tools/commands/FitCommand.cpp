@@ -85,6 +85,8 @@ public:
   virtual void set(const Unknown& unknown, double value) = 0;
   /// Where a search begins that nobody told to.
   [[nodiscard]] virtual double startOf(const Unknown& unknown, double measured) const = 0;
+  /// Whether values are multiplied by what all such are multiplied by; a search then begins with that.
+  [[nodiscard]] virtual bool scales(const Unknown&) const { return false; }
   /// Solves: a value by name of each quantity, and its derivatives by unknown; none: they are not told.
   virtual void solve(Session& session, vtkImageData* image, const std::array<int, 6>& extent) = 0;
   [[nodiscard]] virtual std::vector<std::string> quantities() const = 0;
@@ -203,6 +205,7 @@ public:
   {
     return unknown.property.starts_with("poisson") ? 0.3 : (unknown.property == "shear" ? 1 : 3) * measured;
   }
+  bool scales(const Unknown& unknown) const override { return !unknown.property.starts_with("poisson"); }
   void solve(Session& session, vtkImageData* image, const std::array<int, 6>& extent) override
   {
     runFilterOnRanks(session, filter_.Get(), image, extent, "fit");
@@ -314,7 +317,7 @@ public:
     load();
     std::vector<FitParameter> parameters;
     for (const Unknown& u : unknowns_)
-      parameters.push_back({ u.name(), u.start.value_or(model_->startOf(u, meanMeasured())) });
+      parameters.push_back({ u.name(), u.start.value_or(model_->startOf(u, meanMeasured())), model_->scales(u) });
     std::vector<FitMeasurement> measurements;
     for (const Measured& m : measured_)
       measurements.push_back(m.value);
@@ -373,6 +376,7 @@ private:
   void solve(std::size_t sample)
   {
     model_->solve(session_, samples_[sample].first, samples_[sample].second);
+    ++solves_;
     (void)VtkMessages::takeWarnings(); // the same each time
     const std::vector<std::string> names = model_->quantities();
     for (const Measured& m : measured_)
@@ -391,7 +395,6 @@ private:
     for (std::size_t s = 0; s < samples_.size(); ++s)
     {
       solve(s);
-      ++solves_;
       for (std::size_t j = 0; j < measured_.size(); ++j)
       {
         if (measured_[j].sample != s)
