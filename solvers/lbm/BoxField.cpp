@@ -9,6 +9,7 @@ namespace
 {
 
 constexpr std::int64_t energyParts = 16; // sums of energies that threads may make at once
+constexpr std::int64_t energyLanes = 4;
 
 } // namespace
 
@@ -331,12 +332,14 @@ std::vector<double> BoxField::linkEnergies() const
   const std::int64_t rows = block_.size[1] * block_.size[2];
   // parts that no number of threads changes
   const std::int64_t parts = std::clamp<std::int64_t>(rows, 1, energyParts);
-  std::vector<double> sums(static_cast<std::size_t>(parts) * ids * ids, 0.0);
+  const std::size_t pairs = ids * ids;
+  std::vector<double> sums(static_cast<std::size_t>(parts) * pairs, 0.0);
   const int threads = problem_.options.threads;
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
   for (std::int64_t part = 0; part < parts; ++part)
   {
-    double* const sum = sums.data() + static_cast<std::size_t>(part) * ids * ids;
+    double* const sum = sums.data() + static_cast<std::size_t>(part) * pairs;
+    std::vector<double> lanes(pairs * energyLanes, 0.0); // additions to one place wait for each other
     for (std::int64_t row = part * rows / parts; row < (part + 1) * rows / parts; ++row)
     {
       const std::int64_t y = row % block_.size[1];
@@ -351,7 +354,7 @@ std::vector<double> BoxField::linkEnergies() const
             if (!(g > 0) || std::isnan(du))
               return;
             const std::int64_t other = x + d.x < 0 ? x + d.x + nx : x + d.x >= nx ? x + d.x - nx : x + d.x;
-            sum[ids * here[x] + there[other]] += g * du * du;
+            lanes[static_cast<std::size_t>(x % energyLanes) * pairs + ids * here[x] + there[other]] += g * du * du;
           });
       }
       if (problem_.options.sides == Sides::Periodic)
@@ -378,6 +381,8 @@ std::vector<double> BoxField::linkEnergies() const
           wall(x, 0.0);
       }
     }
+    for (std::size_t i = 0; i < lanes.size(); ++i)
+      sum[i % pairs] += lanes[i];
   }
   std::vector<double> all(ids * ids, 0.0);
   for (std::size_t i = 0; i < sums.size(); ++i)

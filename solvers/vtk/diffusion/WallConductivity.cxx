@@ -64,14 +64,15 @@ std::vector<double> acrossById(const PhaseIds& phases, const std::map<std::strin
 }
 
 std::vector<double> uncertaintyById(const PhaseIds& phases, const std::map<std::string, double>& conductivity,
-  const std::map<std::string, double>& given, std::span<const std::int64_t> nodes)
+  const std::map<std::string, double>* across, const std::map<std::string, double>& given,
+  std::span<const std::int64_t> nodes)
 {
   if (given.empty())
     return {};
   std::vector<double> result(phases.names.size(), 0.0);
   for (const auto& [phase, value] : given)
   {
-    if (!conductivity.contains(phase))
+    if (!(across ? *across : conductivity).contains(phase))
       throw ParameterError("phase '" + phase + "' has an uncertainty and no conductivity that it is of",
         "give both by the same name, or by the same number");
     if (!std::isfinite(value) || value < 0)

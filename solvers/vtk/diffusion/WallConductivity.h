@@ -35,10 +35,11 @@ namespace lamella
   const std::map<std::string, double>& across, std::span<const std::int64_t> nodes);
 
 /// How far conductivities may be off, by id; 0 where that is not told, empty where none is.
-/// @param given by the words of `conductivity`
+/// @param across where they are of conductivities across: of which phases there are some
+/// @param given  by the words of `conductivity`
 /// @throws ParameterError: negative, not finite, or of a phase that has no conductivity
 [[nodiscard]] std::vector<double> uncertaintyById(const PhaseIds& phases,
-  const std::map<std::string, double>& conductivity, const std::map<std::string, double>& given,
-  std::span<const std::int64_t> nodes);
+  const std::map<std::string, double>& conductivity, const std::map<std::string, double>* across,
+  const std::map<std::string, double>& given, std::span<const std::int64_t> nodes);
 
 } // namespace lamella

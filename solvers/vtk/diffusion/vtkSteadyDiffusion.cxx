@@ -363,9 +363,9 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
       found.conductivity = lamella::conductivityById(scene.phases, internal.Conductivity, scene.nodes);
       found.across = lamella::acrossById(scene.phases, internal.Conductivity, internal.Across, scene.nodes);
       found.uncertainty =
-        lamella::uncertaintyById(scene.phases, internal.Conductivity, internal.Uncertainty, scene.nodes);
-      found.acrossUncertainty =
-        lamella::uncertaintyById(scene.phases, internal.Across, internal.AcrossUncertainty, scene.nodes);
+        lamella::uncertaintyById(scene.phases, internal.Conductivity, nullptr, internal.Uncertainty, scene.nodes);
+      found.acrossUncertainty = lamella::uncertaintyById(
+        scene.phases, internal.Conductivity, &internal.Across, internal.AcrossUncertainty, scene.nodes);
       if (!found.across.empty() && this->Lattice == D2Q9 && this->TellsSensitivity())
         throw lamella::ParameterError("sensitivities to conductivities along and across walls on d2q9",
           "take q1, or leave the choice of the lattice");
