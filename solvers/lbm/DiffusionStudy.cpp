@@ -2,6 +2,7 @@
 
 #include "core/Error.h"
 #include "core/Memory.h"
+#include "lattice/SubWindows.h"
 #include "lattice/Subsample.h"
 #include "lbm/StudyChecks.h"
 
@@ -25,6 +26,8 @@ constexpr std::array strides{ 2, 3, 4 };
 constexpr std::int64_t fewestAcross = 3;
 // Pictures of a stride that are solved, about; in the plane there are 4, 9 and 16, in space 8, 27 and 64.
 constexpr std::size_t fewPictures = 8;
+// Windows differ by per cents: more digits of them tell nothing.
+constexpr double windowTolerance = 1e-5;
 
 /// The shares of solves in the whole, as far as they can be foreseen, handed on as one share that rises.
 class StudyProgress
@@ -71,6 +74,7 @@ struct Part
 {
   std::array<std::int64_t, 3> first{ 0, 0, 0 };
   std::int64_t stride = 1;
+  bool window = false; ///< one of those that the picture is cut into: its sides are insulated, whatever the picture's
 };
 
 class Study
@@ -100,10 +104,15 @@ public:
     foresee();
     const int refinement = options_.refinement;
     solvePicture(refinement, answers, !options_.targetError);
+    if (options_.windowError)
+      solveWindows(answers);
     if (options_.targetError)
       refineToTarget(answers);
     else if (options_.estimateError)
       estimate(answers);
+    for (DiffusionAnswer& a : answers)
+      if (a.window) // a finer lattice changes what varies as it changes the value
+        a.window = a.window->scaled(valueOf(a.result, a.axis) / a.window->value);
     return answers;
   }
 
@@ -117,6 +126,12 @@ private:
   {
     const int axes = static_cast<int>(options_.axes.size());
     progress_.foresee(base_, axes);
+    if (options_.windowError)
+      for (const int parts : windowParts)
+      {
+        const double windows = std::pow(parts, image_.lattice.dimension);
+        progress_.foresee(base_ / windows, axes * static_cast<int>(windows));
+      }
     if (!options_.estimateError && !options_.targetError)
       return;
     const double most = static_cast<double>(options_.estimateNodes);
@@ -148,7 +163,12 @@ private:
       steady.progress = {}; // a moment's work that every rank does: none may stop alone
     if (!fields)
       steady.fieldTolerance = std::numeric_limits<double>::infinity(); // nobody sees the field
-    if (part.stride > 1)
+    if (part.window)
+    {
+      steady.sides = Sides::Insulated;
+      steady.tolerance = std::max(steady.tolerance, windowTolerance);
+    }
+    if (part.stride > 1 || part.window)
       steady.method = Method::Auto; // what suits the picture need not suit a part of it
     if (options_.directed)
     {
@@ -332,14 +352,68 @@ private:
         values.push_back(0);
       }
     }
+    summarise(step, values);
+    a.steps.push_back(step);
+    return values;
+  }
+
+  /// Mean and scatter of several pictures.
+  static void summarise(RefinementStep& step, const std::vector<double>& values)
+  {
     const double count = static_cast<double>(values.size());
     step.pictures = static_cast<int>(values.size());
     step.value = std::accumulate(values.begin(), values.end(), 0.0) / count;
     for (const double v : values)
       step.scatter += (v - step.value) * (v - step.value);
     step.scatter = count > 1 ? std::sqrt(step.scatter / (count - 1)) : 0;
-    a.steps.push_back(step);
-    return values;
+  }
+
+  /// The picture's windows along all axes: the answers' window errors.
+  void solveWindows(std::vector<DiffusionAnswer>& answers)
+  {
+    const int n = options_.refinement;
+    for (auto& a : answers)
+    {
+      std::vector<statistics::WindowTiling> tilings;
+      for (const int parts : windowParts)
+      {
+        const SubWindows cuts = subWindows(image_.lattice, parts);
+        if (cuts.windows.size() < 2)
+          continue;
+        RefinementStep step;
+        step.parts = parts;
+        statistics::WindowTiling& tiling = tilings.emplace_back(statistics::WindowTiling{ cuts.counts, {} });
+        for (const SubWindow& window : cuts.windows)
+          tiling.values.push_back(windowValue(window, n, a, step));
+        summarise(step, tiling.values);
+        a.steps.push_back(step);
+      }
+      if (!tilings.empty())
+        a.window = statistics::windowError(
+          valueOf(a.result, a.axis), tilings, { .sameSides = options_.steady.sides == Sides::Insulated });
+    }
+  }
+
+  /// 0 where nothing leads across.
+  double windowValue(const SubWindow& window, int refinement, DiffusionAnswer& a, RefinementStep& step)
+  {
+    PhaseImage picture = cut(image_, window);
+    if (std::ranges::none_of(picture.phase, [&](std::uint8_t id) { return diffusivity_[id] > 0; }))
+      return 0;
+    if (refinement > 1)
+      picture = refine(picture, refinement);
+    Part part;
+    part.first = window.first;
+    part.window = true;
+    try
+    {
+      (void)solve(picture, part, refinement, a, step, false);
+      return step.value;
+    }
+    catch (const NoPathError&)
+    {
+      return 0;
+    }
   }
 
   /// Adds what the iteration leaves.

@@ -1,5 +1,6 @@
 #include "commands/DiffusionReport.h"
 
+#include "commands/WindowReport.h"
 #include "files/JsonReport.h"
 #include "files/Record.h"
 #include "micrograph/MicrographReport.h"
@@ -34,7 +35,8 @@ Json stepsJson(const lbm::DiffusionAnswer& answer)
   {
     steps.push_back({ { "refine", step.refinement }, { "value", jsonNumber(step.value) }, { "nodes", step.nodes },
       { "iterations", step.iterations }, { "seconds", step.seconds }, { "part_of_sample", step.sampled },
-      { "every_pixel", step.every }, { "pictures", step.pictures }, { "scatter", jsonNumber(step.scatter) } });
+      { "every_pixel", step.every }, { "parts", step.parts }, { "pictures", step.pictures },
+      { "scatter", jsonNumber(step.scatter) } });
   }
   return steps;
 }
@@ -82,6 +84,23 @@ std::uint64_t peakMemoryBytes()
 namespace
 {
 
+/// How far the picture speaks for its material, by direction; null where it was not asked for.
+void addWindow(Json& json, const SteadyFindings& found)
+{
+  json["window_error"] = jsonNumber(found.windowError());
+  json["window_errors"] = nullptr;
+  if (!found.windows)
+    return;
+  json["window_errors"] = Json::object();
+  for (const auto& answer : found.answers)
+  {
+    if (!answer.window)
+      continue;
+    json["window_errors"][axisNames[answer.axis]] = windowJson(*answer.window);
+    json["window_errors"][axisNames[answer.axis]]["layered"] = jsonNumber(SteadyFindings::layered(answer));
+  }
+}
+
 void addValues(Json& json, const DiffusionReport& report)
 {
   for (const auto& answer : report.found.answers)
@@ -106,6 +125,7 @@ void addValues(Json& json, const DiffusionReport& report)
     for (const auto& answer : report.found.answers)
       json[std::string(key) + "s"][axisNames[answer.axis]] = jsonNumber(answer.error.*kind);
   }
+  addWindow(json, report.found);
   const bool aimed = report.found.targetError > 0;
   json["target_error"] = aimed ? Json(report.found.targetError) : Json(nullptr);
   json["target"] = aimed ? Json(lbm::name(report.found.answers.front().target)) : Json(nullptr);
@@ -328,6 +348,13 @@ std::string toTable(const DiffusionReport& report)
     for (const auto& answer : report.found.answers)
       if (std::isfinite(answer.error.extrapolated))
         text += fmt::format("    {}  {:.5g}\n", axisNames[answer.axis], answer.error.extrapolated);
+  }
+  if (std::ranges::any_of(report.found.answers, [](const auto& answer) { return answer.window.has_value(); }))
+  {
+    text += windowHeading;
+    for (const auto& answer : report.found.answers)
+      if (answer.window)
+        text += windowText(axisNames[answer.axis], *answer.window, "", 1, SteadyFindings::layered(answer));
   }
   if (const std::optional<std::size_t> alone = report.found.conductingPhase())
   {

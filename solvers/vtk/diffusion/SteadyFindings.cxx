@@ -7,6 +7,7 @@
 #include "vtkImageData.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace lamella
@@ -57,6 +58,23 @@ std::array<double, 9> SteadyFindings::tensor() const
 double SteadyFindings::error(double ErrorEstimate::*kind) const
 {
   return lbm::worst(answers, kind);
+}
+
+double SteadyFindings::windowError() const
+{
+  double largest = notFound;
+  for (const lbm::DiffusionAnswer& answer : answers)
+    if (answer.window)
+      largest = std::fmax(largest, answer.window->relative());
+  return largest;
+}
+
+double SteadyFindings::layered(const lbm::DiffusionAnswer& answer)
+{
+  if (!answer.window || !answer.window->gradient)
+    return notFound;
+  const statistics::WindowGradient& gradient = *answer.window->gradient;
+  return static_cast<int>(gradient.axis) == answer.axis ? gradient.series : gradient.parallel;
 }
 
 bool SteadyFindings::outlinesServe() const
@@ -130,6 +148,29 @@ void describe(vtkImageData* output, const SteadyFindings& found)
   write(
     "skipped_nodes", [](const auto& answer) { return answer.result.skipped; });
   write("refinement", [](const auto& answer) { return answer.refinement; });
+  if (found.windows)
+  {
+    using statistics::WindowError;
+    const auto window = [&](const char* name, auto&& read)
+    { write(name, [&](const auto& answer) { return answer.window ? read(*answer.window) : notFound; }); };
+    setFieldNumbers(output, "window_error", std::array{ found.windowError() });
+    window(
+      "window_error_by_direction", [](const WindowError& w) { return w.relative(); });
+    window(
+      "window_low", [](const WindowError& w) { return w.low; });
+    window(
+      "window_high", [](const WindowError& w) { return w.high; });
+    window(
+      "window_deviation", [](const WindowError& w) { return w.deviation; });
+    window(
+      "window_freedom", [](const WindowError& w) { return w.freedom; });
+    window(
+      "window_bias", [](const WindowError& w) { return w.bias; });
+    window(
+      "window_gradient",
+      [](const WindowError& w) { return w.gradient ? static_cast<double>(w.gradient->axis) : notFound; });
+    write("layered_conductivity", [](const auto& answer) { return SteadyFindings::layered(answer); });
+  }
   setFieldNumbers(output, "phase_conductivity", found.conductivity);
   if (!found.across.empty())
     setFieldNumbers(output, "phase_conductivity_across", found.across);

@@ -32,6 +32,7 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   lbm::Stencil stencil = lbm::Stencil::D2Q5;
   lbm::Bounds bounds;
   double targetError = 0; ///< 0: none
+  bool windows = false;   ///< the window error was asked for
   lbm::Shortfall shortfall;
   std::string direction; ///< as it is written: x, y, z, all
   std::string sides;
@@ -42,6 +43,11 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   [[nodiscard]] std::array<double, 9> tensor() const;
   /// Relative, the largest of the directions; NaN where it is not known.
   [[nodiscard]] double error(double ErrorEstimate::*kind = &ErrorEstimate::relative) const;
+  /// How far the picture speaks for its material, relative, the largest of the directions; NaN where it is not known.
+  [[nodiscard]] double windowError() const;
+  /// Of a picture that changes along an axis: its slabs as layers, in series along that axis, else in parallel. NaN: it
+  /// does not change.
+  [[nodiscard]] static double layered(const lbm::DiffusionAnswer& answer);
   /// Whether outlines can be drawn through the pixels: a picture of two phases, each of which conducts the same in
   /// every direction.
   [[nodiscard]] bool outlinesServe() const;

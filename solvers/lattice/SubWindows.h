@@ -1,0 +1,38 @@
+#pragma once
+
+#include "lattice/Phases.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+/// The windows that a picture (volume) is cut into evenly: for how far it speaks for its material
+/// (statistics/WindowError.h).
+namespace lamella
+{
+
+struct SubWindow
+{
+  std::array<std::int64_t, 3> first{ 0, 0, 0 }; ///< node of the picture, as memory counts
+  std::array<std::int64_t, 3> size{ 1, 1, 1 };
+};
+
+struct SubWindows
+{
+  std::array<std::size_t, 3> counts{ 1, 1, 1 }; ///< along x, y, z
+  std::vector<SubWindow> windows;               ///< x fastest, then y; every node is in one of them
+};
+
+/// Cuts each axis into this many parts, as even as whole nodes allow; an axis on which a part would have fewer than
+/// four nodes is not cut.
+/// @param parts from 2 on
+[[nodiscard]] SubWindows subWindows(const Lattice& lattice, int parts);
+
+/// Into how many parts pictures are cut, the largest windows first.
+inline constexpr std::array windowParts{ 2, 3 };
+
+/// One of them as a picture of its own.
+[[nodiscard]] PhaseImage cut(const PhaseImage& image, const SubWindow& window);
+
+} // namespace lamella
