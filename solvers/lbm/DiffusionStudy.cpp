@@ -372,9 +372,12 @@ private:
   void solveWindows(std::vector<DiffusionAnswer>& answers)
   {
     const int n = options_.refinement;
+    std::vector<statistics::WindowProperty> properties;
     for (auto& a : answers)
     {
-      std::vector<statistics::WindowTiling> tilings;
+      statistics::WindowProperty& property = properties.emplace_back();
+      property.value = valueOf(a.result, a.axis);
+      property.seriesAxis = static_cast<std::size_t>(a.axis);
       for (const int parts : windowParts)
       {
         const SubWindows cuts = subWindows(image_.lattice, parts);
@@ -382,16 +385,19 @@ private:
           continue;
         RefinementStep step;
         step.parts = parts;
-        statistics::WindowTiling& tiling = tilings.emplace_back(statistics::WindowTiling{ cuts.counts, {} });
+        statistics::WindowTiling& tiling = property.tilings.emplace_back(statistics::WindowTiling{ cuts.counts, {} });
         for (const SubWindow& window : cuts.windows)
           tiling.values.push_back(windowValue(window, n, a, step));
         summarise(step, tiling.values);
         a.steps.push_back(step);
       }
-      if (!tilings.empty())
-        a.window = statistics::windowError(
-          valueOf(a.result, a.axis), tilings, { .sameSides = options_.steady.sides == Sides::Insulated });
     }
+    if (properties.front().tilings.empty())
+      return; // too small to be cut
+    const std::vector<statistics::WindowError> errors =
+      statistics::windowErrors(properties, { .sameSides = options_.steady.sides == Sides::Insulated });
+    for (std::size_t i = 0; i < answers.size(); ++i)
+      answers[i].window = errors[i];
   }
 
   /// 0 where nothing leads across.

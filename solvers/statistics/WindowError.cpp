@@ -7,6 +7,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numeric>
 #include <utility>
 
@@ -94,8 +96,19 @@ public:
     return independent + 0.5 * std::max(0.0, slabs - independent);
   }
 
-  /// The steadiest change along an axis.
-  [[nodiscard]] std::optional<WindowGradient> gradient() const
+  /// Slabs as layers.
+  [[nodiscard]] double layered(std::size_t axis, std::optional<std::size_t> seriesAxis) const
+  {
+    if (axis != seriesAxis || slabs_[axis].empty())
+      return mean_;
+    double resistance = 0;
+    for (const double k : slabs_[axis])
+      resistance += k > 0 ? 1 / k : std::numeric_limits<double>::quiet_NaN();
+    return static_cast<double>(slabs_[axis].size()) / resistance;
+  }
+
+  /// The steadiest change along an axis, or along this one.
+  [[nodiscard]] std::optional<WindowGradient> gradient(std::optional<std::size_t> along) const
   {
     double left = total_;
     double freedom = count_ - 1;
@@ -115,10 +128,10 @@ public:
       const double explained = moment * moment / square * count_ / n;
       left -= explained;
       freedom -= 1;
-      if (explained > best)
+      if (along ? along == a : explained > best)
       {
         best = explained;
-        found = WindowGradient{ a, moment / square * n, 1, slabs_[a] };
+        found = WindowGradient{ a, moment / square * n, 1, slabs_[a], 0 };
       }
     }
     if (!found || freedom < 1)
@@ -163,13 +176,15 @@ void check(double value, std::span<const WindowTiling> tilings)
 }
 
 /// Of the picture's value, from how the means of windows change with their size.
-double biasOf(double value, const std::vector<Variance>& sizes, bool sameSides)
+/// @param middle of windows of a size
+double biasOf(double value, const std::vector<Variance>& sizes, bool sameSides,
+  const std::function<double(const Variance&)>& middle)
 {
   double sum = 0;
   if (sameSides)
   {
     for (const Variance& s : sizes)
-      sum += (s.middle() - value) / (s.along() - 1);
+      sum += (middle(s) - value) / (s.along() - 1);
     return sum / static_cast<double>(sizes.size());
   }
   if (sizes.size() < 2)
@@ -178,7 +193,7 @@ double biasOf(double value, const std::vector<Variance>& sizes, bool sameSides)
   const Variance& small = sizes.back();
   // m_n = material + n bias of windows
   const double material =
-    (small.along() * large.middle() - large.along() * small.middle()) / (small.along() - large.along());
+    (small.along() * middle(large) - large.along() * middle(small)) / (small.along() - large.along());
   return value - material;
 }
 
@@ -239,8 +254,8 @@ WindowError WindowError::scaled(double factor) const
   if (other.gradient)
   {
     WindowGradient& g = *other.gradient;
-    for (double* const number : { &g.change, &g.series, &g.parallel })
-      *number *= factor;
+    g.change *= factor;
+    g.layered *= factor;
     for (double& slab : g.slabs)
       slab *= factor;
   }
@@ -254,23 +269,21 @@ WindowError windowError(double value, std::span<const WindowTiling> tilings, con
   WindowError error;
   error.value = value;
   error.decay = decayOf(sizes);
-  error.bias = biasOf(value, sizes, options.sameSides);
   std::optional<std::size_t> layered;
   const Variance& smallest = sizes.back();
-  if (auto gradient = smallest.gradient(); gradient && gradient->chance < options.gradientChance)
+  if (auto gradient = smallest.gradient(options.changesAlong);
+      gradient && (options.changesAlong || gradient->chance < options.gradientChance))
   {
     layered = gradient->axis;
-    const double scale = value / smallest.middle();
-    gradient->parallel = scale * mean(gradient->slabs);
-    if (std::ranges::all_of(gradient->slabs, [](double k) { return k > 0; }))
-    {
-      double resistance = 0;
-      for (const double k : gradient->slabs)
-        resistance += 1 / k;
-      gradient->series = scale * static_cast<double>(gradient->slabs.size()) / resistance;
-    }
+    gradient->layered = smallest.layered(gradient->axis, options.seriesAxis);
     error.gradient = std::move(gradient);
   }
+  error.bias = biasOf(value, sizes, options.sameSides,
+    [&](const Variance& s)
+    {
+      const double layers = layered ? s.layered(*layered, options.seriesAxis) : s.middle();
+      return std::isfinite(layers) ? layers : s.middle();
+    });
   double sum = 0;
   double weights = 0;
   for (const Variance& s : sizes)
@@ -283,6 +296,31 @@ WindowError windowError(double value, std::span<const WindowTiling> tilings, con
   error.expected = value - 0.5 * error.bias;
   takeInterval(error, options.probability);
   return error;
+}
+
+std::vector<WindowError> windowErrors(std::span<const WindowProperty> properties, const WindowOptions& options)
+{
+  std::vector<WindowError> errors;
+  const WindowGradient* plainest = nullptr;
+  WindowOptions own = options;
+  for (const WindowProperty& property : properties)
+  {
+    own.seriesAxis = property.seriesAxis;
+    errors.push_back(windowError(property.value, property.tilings, own));
+  }
+  for (const WindowError& error : errors)
+    if (error.gradient && (plainest == nullptr || error.gradient->chance < plainest->chance))
+      plainest = &*error.gradient;
+  if (plainest == nullptr)
+    return errors;
+  own.changesAlong = plainest->axis;
+  for (std::size_t i = 0; i < errors.size(); ++i)
+    if (!errors[i].gradient || errors[i].gradient->axis != *own.changesAlong)
+    {
+      own.seriesAxis = properties[i].seriesAxis;
+      errors[i] = windowError(properties[i].value, properties[i].tilings, own);
+    }
+  return errors;
 }
 
 WindowError sampleError(std::span<const double> values, double probability)

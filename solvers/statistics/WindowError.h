@@ -23,6 +23,11 @@ struct WindowOptions
   double probability = 0.95; ///< that the interval is to hold the material's value with
   /// A gradient is told where chance alone would make one with less than this probability.
   double gradientChance = 0.001;
+  /// Axis along which a picture that changes conducts (or is pulled, ...) layer after layer: its slabs' values combine
+  /// as 1/mean(1/k). Along all others they lie side by side: their mean. None: their mean along every axis.
+  std::optional<std::size_t> seriesAxis{};
+  /// Axis that the picture is known to change along, as another of its properties shows.
+  std::optional<std::size_t> changesAlong{};
   /// Whether the picture's own value was made as those of its windows, with the same sides. If not, a picture with
   /// periodic sides say, its bias is told from the windows alone.
   bool sameSides = true;
@@ -33,12 +38,10 @@ struct WindowGradient
 {
   std::size_t axis = 0;
   double change = 0;         ///< from one edge of the picture to the other, of the straight line through the slabs
-  double chance = 0;         ///< probability of as much by chance, of the axis that shows it best
+  double chance = 0;         ///< probability of as much by chance, times the number of axes
   std::vector<double> slabs; ///< mean of the windows of each slab across the axis
-  /// Of all slabs as layers. In series is along the axis (1/mean(1/k)), in parallel across it (their mean); the first
-  /// NaN where a slab is not above 0. Both are scaled as the picture's value is to the mean of its windows.
-  double series = std::numeric_limits<double>::quiet_NaN();
-  double parallel = std::numeric_limits<double>::quiet_NaN();
+  /// Of the slabs as layers, in series or side by side; NaN where one in series is not above 0.
+  double layered = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// All in the unit of the value.
@@ -82,8 +85,8 @@ struct WindowError
 /// Half of it is taken off and as much counts as a standard deviation.
 ///
 /// **Gradient.** The values of the smallest windows are regressed on their place along each axis; F-test against what
-/// is left, times the number of axes. Where one is found the slabs across that axis are taken out of the scatter, and
-/// told as layers.
+/// is left, times the number of axes. Where one is found the slabs across that axis are taken out of the scatter,
+/// count as layers for the bias, and are told; the interval is then that of a material of such layers.
 ///
 /// The weights were found on generated tissues and held on others: docs/benchmarks/window.md.
 ///
@@ -93,6 +96,19 @@ struct WindowError
 /// finite
 [[nodiscard]] WindowError windowError(
   double value, std::span<const WindowTiling> tilings, const WindowOptions& options = {});
+
+/// Several properties of the same picture.
+struct WindowProperty
+{
+  double value = 0;
+  std::vector<WindowTiling> tilings;
+  std::optional<std::size_t> seriesAxis{};
+};
+
+/// The same of each of them. A picture that one of them shows to change along an axis changes for all of them.
+/// @throws ParameterError as windowError()
+[[nodiscard]] std::vector<WindowError> windowErrors(
+  std::span<const WindowProperty> properties, const WindowOptions& options = {});
 
 /// What several pictures of one material say together: mean, and its interval by Student's t. No bias is known.
 /// @param values at least two

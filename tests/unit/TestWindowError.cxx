@@ -94,8 +94,8 @@ TEST(WindowError, OfWhiteNoiseHoldsTheMean)
   EXPECT_NEAR(decay, 1.295, 0.1);
 }
 
-// Rows that vary as a whole, by half of the picture's variance 0.09/12 + 1/144: windows side by side are alike, and what
-// differs between rows is not averaged over the windows of a row. Independent windows would tell 0.0094 of 0.0144.
+// Rows that vary as a whole, by half of the picture's variance 0.09/12 + 1/144: windows side by side are alike, and
+// what differs between rows is not averaged over the windows of a row. Independent windows would tell 0.0094 of 0.0144.
 TEST(WindowError, SeesWhatWholeRowsHaveInCommon)
 {
   std::mt19937_64 random(6);
@@ -141,11 +141,24 @@ TEST(WindowError, TellsAGradientFromScatter)
   EXPECT_LT(error.gradient->chance, 1e-6);
   ASSERT_EQ(error.gradient->slabs.size(), 3U);
   EXPECT_NEAR(error.gradient->slabs[0], 11.5, 0.1);
-  EXPECT_NEAR(error.gradient->parallel, error.value, 1e-12);
-  EXPECT_NEAR(error.gradient->series, 3 / (1 / 11.5 + 1 / 15.5 + 1 / 19.5), 0.1);
+  EXPECT_NEAR(error.gradient->layered, error.value, 1e-12); // side by side
   // What is left is the noise: 0.1/12 of the mean, known from few windows.
   EXPECT_LT(error.deviation, 0.03);
   EXPECT_FALSE(errorOf(level, n).gradient.has_value());
+  // One after the other: then means of windows do not tell how the picture's end changes its value.
+  const std::vector tilings{ tilingOf(field, n, 2), tilingOf(field, n, 3) };
+  const double series = 3 / (1 / 11.5 + 1 / 15.5 + 1 / 19.5);
+  const WindowError layers = windowError(series, tilings, { .seriesAxis = 0 });
+  EXPECT_NEAR(layers.gradient->layered, series, 0.1);
+  EXPECT_LT(std::abs(layers.bias), 0.15);
+  EXPECT_GT(windowError(series, tilings, { .seriesAxis = 1 }).bias, 0.2);
+  // What one property shows holds for all.
+  const std::vector<WindowProperty> both{ { error.value, tilings, {} },
+    { meanOf(level), { tilingOf(level, n, 2), tilingOf(level, n, 3) }, {} } };
+  const std::vector<WindowError> shared = windowErrors(both);
+  ASSERT_TRUE(shared[1].gradient.has_value());
+  EXPECT_EQ(shared[1].gradient->axis, 0U);
+  EXPECT_GT(shared[1].gradient->chance, 0.001);
   const WindowError twice = error.scaled(2);
   EXPECT_EQ(twice.high, 2 * error.high);
   EXPECT_EQ(twice.gradient->slabs[1], 2 * error.gradient->slabs[1]);

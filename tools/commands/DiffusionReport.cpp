@@ -93,12 +93,8 @@ void addWindow(Json& json, const SteadyFindings& found)
     return;
   json["window_errors"] = Json::object();
   for (const auto& answer : found.answers)
-  {
-    if (!answer.window)
-      continue;
-    json["window_errors"][axisNames[answer.axis]] = windowJson(*answer.window);
-    json["window_errors"][axisNames[answer.axis]]["layered"] = jsonNumber(SteadyFindings::layered(answer));
-  }
+    if (answer.window)
+      json["window_errors"][axisNames[answer.axis]] = windowJson(*answer.window);
 }
 
 void addValues(Json& json, const DiffusionReport& report)
@@ -354,7 +350,7 @@ std::string toTable(const DiffusionReport& report)
     text += windowHeading;
     for (const auto& answer : report.found.answers)
       if (answer.window)
-        text += windowText(axisNames[answer.axis], *answer.window, "", 1, SteadyFindings::layered(answer));
+        text += windowText(axisNames[answer.axis], *answer.window, "", 1);
   }
   if (const std::optional<std::size_t> alone = report.found.conductingPhase())
   {

@@ -32,8 +32,8 @@ std::string remedy(const statistics::WindowError& window)
 
 } // namespace
 
-std::string windowText(const std::string& name, const statistics::WindowError& window, const std::string& unit,
-  double factor, double layered)
+std::string windowText(
+  const std::string& name, const statistics::WindowError& window, const std::string& unit, double factor)
 {
   const double relative = window.relative();
   std::string text = fmt::format("    {:<4}{:.4g} to {:.4g}{}   within {}; {}\n", name, factor * window.low,
@@ -45,11 +45,8 @@ std::string windowText(const std::string& name, const statistics::WindowError& w
     std::string slabs;
     for (const double slab : gradient.slabs)
       slabs += fmt::format("{}{:.3g}", slabs.empty() ? "" : ", ", factor * slab);
-    text += fmt::format("        it changes along {}, slabs {}{}: that is no scatter, and left out of it",
-      axisNames[gradient.axis], slabs, unit);
-    if (std::isfinite(layered))
-      text += fmt::format("; as layers {:.4g}{}", factor * layered, unit);
-    text += "\n";
+    text += fmt::format("        it changes along {}, slabs {}{}: no scatter, and left out of it; as layers {:.4g}{}\n",
+      axisNames[gradient.axis], slabs, unit, factor * gradient.layered, unit);
   }
   return text;
 }
@@ -68,7 +65,7 @@ Json windowJson(const statistics::WindowError& window)
   if (window.gradient)
     json["gradient"] = { { "axis", axisNames[window.gradient->axis] },
       { "change", jsonNumber(window.gradient->change) }, { "chance", jsonNumber(window.gradient->chance) },
-      { "slabs", window.gradient->slabs } };
+      { "slabs", window.gradient->slabs }, { "layered", jsonNumber(window.gradient->layered) } };
   return json;
 }
 

@@ -16,9 +16,8 @@ inline constexpr const char* windowHeading =
 /// @param name    of the value
 /// @param unit    with a space before it; or empty
 /// @param factor  from the value's unit to that one
-/// @param layered the value of the sample's slabs as layers; NaN: not told
-[[nodiscard]] std::string windowText(const std::string& name, const statistics::WindowError& window,
-  const std::string& unit, double factor, double layered);
+[[nodiscard]] std::string windowText(
+  const std::string& name, const statistics::WindowError& window, const std::string& unit, double factor);
 
 /// `low`, `high`, `error` (relative), `deviation`, `freedom`, `bias`, `decay`, `pictures_for` by share, `gradient`.
 [[nodiscard]] Json windowJson(const statistics::WindowError& window);

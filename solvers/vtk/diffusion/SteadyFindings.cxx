@@ -69,14 +69,6 @@ double SteadyFindings::windowError() const
   return largest;
 }
 
-double SteadyFindings::layered(const lbm::DiffusionAnswer& answer)
-{
-  if (!answer.window || !answer.window->gradient)
-    return notFound;
-  const statistics::WindowGradient& gradient = *answer.window->gradient;
-  return static_cast<int>(gradient.axis) == answer.axis ? gradient.series : gradient.parallel;
-}
-
 bool SteadyFindings::outlinesServe() const
 {
   return dimension == 2 && across.empty() && !shares && !rounding &&
@@ -169,7 +161,7 @@ void describe(vtkImageData* output, const SteadyFindings& found)
     window(
       "window_gradient",
       [](const WindowError& w) { return w.gradient ? static_cast<double>(w.gradient->axis) : notFound; });
-    write("layered_conductivity", [](const auto& answer) { return SteadyFindings::layered(answer); });
+    window("layered_conductivity", [](const WindowError& w) { return w.gradient ? w.gradient->layered : notFound; });
   }
   setFieldNumbers(output, "phase_conductivity", found.conductivity);
   if (!found.across.empty())

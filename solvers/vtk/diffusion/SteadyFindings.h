@@ -45,9 +45,6 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   [[nodiscard]] double error(double ErrorEstimate::*kind = &ErrorEstimate::relative) const;
   /// How far the picture speaks for its material, relative, the largest of the directions; NaN where it is not known.
   [[nodiscard]] double windowError() const;
-  /// Of a picture that changes along an axis: its slabs as layers, in series along that axis, else in parallel. NaN: it
-  /// does not change.
-  [[nodiscard]] static double layered(const lbm::DiffusionAnswer& answer);
   /// Whether outlines can be drawn through the pixels: a picture of two phases, each of which conducts the same in
   /// every direction.
   [[nodiscard]] bool outlinesServe() const;
