@@ -1,14 +1,20 @@
-// Does the window error of `lamella diffusion` hold? Pictures cut out of much larger samples of random materials; the
-// truth is the mean of the large samples. study=conductivity: one line a kind, size and pair of conductivities: how
-// many of the intervals of 95 % hold the truth, half their median width, the median error of the pictures' own values,
-// and what the windows cost over the solve. study=rings: how often the gradient of a growth ring is seen. Keys: seed=N
-// of the first sample (1001), samples=N (5), pictures=N of each sample and size (8), kind=NAME. The rule's weights were
-// found on other seeds, see docs/benchmarks/window.md.
+// Does the window error hold? Pictures cut out of much larger samples of random materials; the truth is the mean of the
+// large samples. A line a kind, size and property: how many of the intervals of 95 % hold the truth, half their median
+// width, the median error of the pictures' own values, and what the windows cost over the solve.
+//
+// study=conductivity; study=stiffness: Young's moduli, sides straight (as those of the windows are) and periodic;
+// study=pores: porosity, number and mean size; study=rings: how often the gradient of a growth ring is seen.
+//
+// Keys: seed=N of the first sample (1001), samples=N (5), pictures=N of each sample and size (8), kind=NAME.
+// The rule's weights were found on other seeds, see docs/benchmarks/window.md.
 #include "Keys.h"
 #include "Table.h"
 #include "Tissues.h"
 
+#include "elasticity/Materials.h"
+#include "elasticity/VoxelStiffness.h"
 #include "lbm/DiffusionStudy.h"
+#include "pores/PoreWindows.h"
 
 #include <fmt/format.h>
 
@@ -55,44 +61,100 @@ struct Line
   double solve = 0, windows = 0;      ///< [s]
 };
 
+void add(Line& line, const statistics::WindowError& window, double truth)
+{
+  line.held += window.low <= truth && truth <= window.high ? 1 : 0;
+  line.gradients += window.gradient ? 1 : 0;
+  line.widths.push_back(0.5 * (window.high - window.low) / truth);
+  line.errors.push_back(std::abs(window.value - truth) / truth);
+}
+
+/// Shares that held, by what was asked for.
+using Totals = std::map<std::string, std::array<double, 2>>;
+
+void tell(
+  Table& table, Totals& totals, const std::string& kind, const std::string& what, std::int64_t edge, const Line& line)
+{
+  const double cases = static_cast<double>(line.widths.size());
+  totals[what][0] += line.held;
+  totals[what][1] += cases;
+  fmt::print("{:<20} {:<14} {:>5} {:>6} {:>4.0f} %  {:>8.1f} % {:>6.1f} % {:>6} {:>6.2f}\n", kind, what, edge, cases,
+    100 * line.held / cases, 100 * median(line.widths), 100 * median(line.errors), line.gradients,
+    line.windows / line.solve);
+  std::fflush(stdout);
+  table.line(kind, what, edge, cases, line.held / cases, median(line.widths), median(line.errors),
+    median(line.widths) / median(line.errors), line.gradients, line.windows / line.solve);
+}
+
+constexpr const char* columns = "kind,what,nodes,cases,held,half_width,error,width_over_error,gradients,cost";
+
+void heading()
+{
+  fmt::print("{:<20} {:<14} {:>5} {:>6} {:>6}  {:>10} {:>8} {:>6} {:>6}\n", "kind", "what", "nodes", "cases", "held",
+    "half width", "error", "grad.", "cost");
+}
+
+void end(const Totals& totals)
+{
+  for (const auto& [name, of] : totals)
+    fmt::print("all {:<14} {:.1f} % of {}\n", name, 100 * of[0] / of[1], of[1]);
+}
+
+std::vector<PhaseImage> largeSamples(const Tissue& tissue, std::int64_t edge, const Keys& keys)
+{
+  std::vector<PhaseImage> large;
+  for (int s = 0; s < static_cast<int>(number(keys, "samples", 5)); ++s)
+    large.push_back(
+      tissue.make(edge, static_cast<std::uint64_t>(number(keys, "seed", 1001)) + static_cast<std::uint64_t>(s)));
+  return large;
+}
+
+/// Calls f with pictures cut out of the samples, the same for the same keys.
+template <class F>
+void forPictures(const std::vector<PhaseImage>& large, std::int64_t edge, const Keys& keys, F&& f)
+{
+  const auto first = static_cast<std::uint64_t>(number(keys, "seed", 1001));
+  for (std::size_t s = 0; s < large.size(); ++s)
+  {
+    Random random(first + 7919 * (s + 1));
+    for (int p = 0; p < static_cast<int>(number(keys, "pictures", 8)); ++p)
+      f(someWindow(large[s], edge, random));
+  }
+}
+
+bool wants(const Keys& keys, const Tissue& tissue)
+{
+  const std::string wanted = text(keys, "kind", "");
+  return wanted.empty() || tissue.kind == wanted;
+}
+
 /// Pairs of conductivities, of the connected phase and the other one.
 const std::vector<std::pair<std::string, std::array<double, 2>>> pairs{ { "1 : 0.023", { 1, 0.023 } },
   { "0.004 : 1", { 0.004, 1 } }, { "1 : 0", { 1, 0 } } };
 
 void conductivity(const Keys& keys)
 {
-  const auto first = static_cast<std::uint64_t>(number(keys, "seed", 1001));
-  const int samples = static_cast<int>(number(keys, "samples", 5));
-  const int pictures = static_cast<int>(number(keys, "pictures", 8));
-  const std::string wanted = text(keys, "kind", "");
-  Table table(keys, "window-error", "conductivity",
-    "kind,conductivities,nodes,cases,held,half_width,error,width_over_error,gradients,cost");
-  fmt::print("{:<20} {:<10} {:>5} {:>6} {:>6}  {:>10} {:>8} {:>6} {:>6}\n", "kind", "pair", "nodes", "cases", "held",
-    "half width", "error", "grad.", "cost");
-  std::map<std::string, std::array<double, 2>> total;
+  Table table(keys, "window-error", "conductivity", columns);
+  Totals totals;
+  heading();
   for (const Tissue& tissue : tissues())
   {
-    if (!wanted.empty() && tissue.kind != wanted)
+    if (!wants(keys, tissue))
       continue;
-    std::vector<PhaseImage> large;
-    for (int s = 0; s < samples; ++s)
-      large.push_back(tissue.make(tissue.large, first + static_cast<std::uint64_t>(s)));
+    const std::vector<PhaseImage> large = largeSamples(tissue, tissue.large, keys);
     for (const auto& [name, of] : pairs)
     {
       const std::vector<double> k = tissue.connected == 1 ? std::vector{ of[1], of[0] } : std::vector{ of[0], of[1] };
       std::array<double, 3> truth{ 0, 0, 0 };
       for (const PhaseImage& image : large)
         for (const auto& answer : solved(image, k, false))
-          truth[static_cast<std::size_t>(answer.axis)] += valueOf(answer) / samples;
+          truth[static_cast<std::size_t>(answer.axis)] += valueOf(answer) / static_cast<double>(large.size());
       for (const std::int64_t edge : tissue.windows)
       {
         Line line;
-        for (int s = 0; s < samples; ++s)
-        {
-          Random random(first + 7919 * static_cast<std::uint64_t>(s + 1)); // the same places for every pair
-          for (int p = 0; p < pictures; ++p)
+        forPictures(large, edge, keys,
+          [&](const PhaseImage& picture)
           {
-            const PhaseImage picture = someWindow(large[static_cast<std::size_t>(s)], edge, random);
             std::vector<lbm::DiffusionAnswer> answers;
             try
             {
@@ -100,35 +162,119 @@ void conductivity(const Keys& keys)
             }
             catch (const NoPathError&)
             {
-              continue; // nothing leads across: no value to speak of
+              return; // nothing leads across: no value to speak of
             }
             for (const auto& answer : answers)
             {
-              const double t = truth[static_cast<std::size_t>(answer.axis)];
-              const statistics::WindowError& w = *answer.window;
-              line.held += w.low <= t && t <= w.high ? 1 : 0;
-              line.gradients += w.gradient ? 1 : 0;
-              line.widths.push_back(0.5 * (w.high - w.low) / t);
-              line.errors.push_back(std::abs(w.value - t) / t);
+              add(line, *answer.window, truth[static_cast<std::size_t>(answer.axis)]);
               for (const lbm::RefinementStep& step : answer.steps)
                 (step.parts > 1 ? line.windows : line.solve) += step.seconds;
             }
-          }
-        }
-        const double cases = static_cast<double>(line.widths.size());
-        total[name][0] += line.held;
-        total[name][1] += cases;
-        fmt::print("{:<20} {:<10} {:>5} {:>6} {:>4.0f} %  {:>8.1f} % {:>6.1f} % {:>6} {:>6.2f}\n", tissue.kind, name,
-          edge, cases, 100 * line.held / cases, 100 * median(line.widths), 100 * median(line.errors), line.gradients,
-          line.windows / line.solve);
-        std::fflush(stdout);
-        table.line(tissue.kind, name, edge, cases, line.held / cases, median(line.widths), median(line.errors),
-          median(line.widths) / median(line.errors), line.gradients, line.windows / line.solve);
+          });
+        tell(table, totals, tissue.kind, name, edge, line);
       }
     }
   }
-  for (const auto& [name, of] : total)
-    fmt::print("all {:<10} {:.1f} % of {}\n", name, 100 * of[0] / of[1], of[1]);
+  end(totals);
+}
+
+elasticity::VoxelStiffness stiffnessOf(
+  const PhaseImage& image, int solid, elasticity::StiffnessSides sides, bool windows)
+{
+  using namespace elasticity;
+  const Continuum continuum = image.lattice.dimension == 3 ? Continuum::Space : Continuum::PlaneStress;
+  std::vector<VoxelMaterial> materials(2);
+  for (int id = 0; id < 2; ++id)
+    materials[static_cast<std::size_t>(id)].stiffness = isotropicStiffness(continuum, id == solid ? 1.0 : 0.0, 0.3);
+  VoxelStiffnessOptions options;
+  options.sides = sides;
+  options.estimateError = false;
+  options.windowError = windows;
+  return studyVoxelStiffness(image.lattice, image.phase, materials, {}, options);
+}
+
+/// Of Young's moduli alone.
+bool isModulus(const std::string& name)
+{
+  return name.starts_with("E_");
+}
+
+void stiffness(const Keys& keys)
+{
+  using elasticity::StiffnessSides;
+  Table table(keys, "window-error", "stiffness", columns);
+  Totals totals;
+  heading();
+  for (const Tissue& tissue : tissues())
+  {
+    if (!wants(keys, tissue) || tissue.dimension == 3)
+      continue;
+    const std::vector<PhaseImage> large = largeSamples(tissue, tissue.large / 2, keys);
+    std::map<std::string, double> truth;
+    const std::vector<std::string> names = elasticity::constantNames(tissue.dimension);
+    for (const PhaseImage& image : large)
+    {
+      const auto values =
+        elasticity::constantValues(stiffnessOf(image, tissue.connected, StiffnessSides::Straight, false).constants);
+      for (std::size_t i = 0; i < names.size(); ++i)
+        truth[names[i]] += values[i] / static_cast<double>(large.size());
+    }
+    for (const auto& [what, sides] :
+      { std::pair{ "E, straight", StiffnessSides::Straight }, std::pair{ "E, periodic", StiffnessSides::Periodic } })
+    {
+      const std::int64_t edge = tissue.windows.front();
+      Line line;
+      forPictures(large, edge, keys,
+        [&](const PhaseImage& picture)
+        {
+          try
+          {
+            const auto found = stiffnessOf(picture, tissue.connected, sides, true);
+            for (const statistics::WindowError& window : found.windows)
+              if (isModulus(window.name))
+                add(line, window, truth[window.name]);
+            line.solve += found.setupSeconds + found.solveSeconds;
+            line.windows += found.windowSeconds;
+          }
+          catch (const NoPathError&)
+          {
+          }
+        });
+      tell(table, totals, tissue.kind, what, edge, line);
+    }
+  }
+  end(totals);
+}
+
+void poreNumbers(const Keys& keys)
+{
+  Table table(keys, "window-error", "pores", columns);
+  Totals totals;
+  heading();
+  for (const Tissue& tissue : tissues())
+  {
+    if (!wants(keys, tissue) || tissue.dimension == 3 || tissue.kind == "overlapping disks")
+      continue;
+    const auto wanted = static_cast<std::uint8_t>(1 - tissue.connected);
+    const std::vector<PhaseImage> large = largeSamples(tissue, tissue.large, keys);
+    std::map<std::string, double> truth;
+    for (const PhaseImage& image : large)
+      for (const statistics::WindowError& w : pores::poreWindows(image.lattice, image.phase, wanted, {}))
+        truth[w.name] += w.value / static_cast<double>(large.size());
+    for (const std::int64_t edge : tissue.windows)
+    {
+      std::map<std::string, Line> lines;
+      forPictures(large, edge, keys,
+        [&](const PhaseImage& picture)
+        {
+          for (const statistics::WindowError& w : pores::poreWindows(picture.lattice, picture.phase, wanted, {}))
+            add(lines[w.name], w, truth[w.name]);
+        });
+      for (const auto& [name, line] : lines)
+        tell(table, totals, tissue.kind, name, edge, line);
+    }
+  }
+  end(totals);
 }
 
 /// From earlywood to latewood along x.
@@ -161,5 +307,6 @@ void rings(const Keys& keys)
 
 int main(int argc, char** argv)
 {
-  return runStudies(argc, argv, { { "conductivity", conductivity }, { "rings", rings } });
+  return runStudies(argc, argv,
+    { { "conductivity", conductivity }, { "stiffness", stiffness }, { "pores", poreNumbers }, { "rings", rings } });
 }

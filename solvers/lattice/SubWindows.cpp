@@ -29,22 +29,19 @@ SubWindows subWindows(const Lattice& lattice, int parts)
   return result;
 }
 
+Lattice latticeOf(const Lattice& from, const SubWindow& window)
+{
+  Lattice lattice = from;
+  lattice.size = window.size;
+  for (int a = 0; a < 3; ++a)
+    lattice.origin[static_cast<std::size_t>(a)] +=
+      from.spacingAlong(a) * static_cast<double>(window.first[static_cast<std::size_t>(a)]);
+  return lattice;
+}
+
 PhaseImage cut(const PhaseImage& image, const SubWindow& window)
 {
-  const Lattice& from = image.lattice;
-  PhaseImage result{ from, {}, image.phases };
-  result.lattice.size = window.size;
-  for (int a = 0; a < 3; ++a)
-    result.lattice.origin[static_cast<std::size_t>(a)] +=
-      from.spacingAlong(a) * static_cast<double>(window.first[static_cast<std::size_t>(a)]);
-  result.phase.reserve(static_cast<std::size_t>(result.lattice.count()));
-  for (std::int64_t z = 0; z < window.size[2]; ++z)
-    for (std::int64_t y = 0; y < window.size[1]; ++y)
-    {
-      const auto row = image.phase.begin() + from.index(window.first[0], window.first[1] + y, window.first[2] + z);
-      result.phase.insert(result.phase.end(), row, row + window.size[0]);
-    }
-  return result;
+  return { latticeOf(image.lattice, window), cut<std::uint8_t>(image.lattice, image.phase, window), image.phases };
 }
 
 } // namespace lamella

@@ -307,6 +307,7 @@ std::vector<WindowError> windowErrors(std::span<const WindowProperty> properties
   {
     own.seriesAxis = property.seriesAxis;
     errors.push_back(windowError(property.value, property.tilings, own));
+    errors.back().name = property.name;
   }
   for (const WindowError& error : errors)
     if (error.gradient && (plainest == nullptr || error.gradient->chance < plainest->chance))
@@ -319,6 +320,7 @@ std::vector<WindowError> windowErrors(std::span<const WindowProperty> properties
     {
       own.seriesAxis = properties[i].seriesAxis;
       errors[i] = windowError(properties[i].value, properties[i].tilings, own);
+      errors[i].name = properties[i].name;
     }
   return errors;
 }

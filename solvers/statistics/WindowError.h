@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 /// How far one picture speaks for its material: the representative volume, from the picture itself.
@@ -47,6 +48,7 @@ struct WindowGradient
 /// All in the unit of the value.
 struct WindowError
 {
+  std::string name;     ///< of the property, where it has one
   double value = 0;     ///< of the picture, as it was given
   double low = 0;       ///< the interval that holds the material's
   double high = 0;      ///< its other end
@@ -100,6 +102,7 @@ struct WindowError
 /// Several properties of the same picture.
 struct WindowProperty
 {
+  std::string name;
   double value = 0;
   std::vector<WindowTiling> tilings;
   std::optional<std::size_t> seriesAxis{};

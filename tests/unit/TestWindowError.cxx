@@ -153,11 +153,12 @@ TEST(WindowError, TellsAGradientFromScatter)
   EXPECT_LT(std::abs(layers.bias), 0.15);
   EXPECT_GT(windowError(series, tilings, { .seriesAxis = 1 }).bias, 0.2);
   // What one property shows holds for all.
-  const std::vector<WindowProperty> both{ { error.value, tilings, {} },
-    { meanOf(level), { tilingOf(level, n, 2), tilingOf(level, n, 3) }, {} } };
+  const std::vector<WindowProperty> both{ { "a", error.value, tilings, {} },
+    { "b", meanOf(level), { tilingOf(level, n, 2), tilingOf(level, n, 3) }, {} } };
   const std::vector<WindowError> shared = windowErrors(both);
   ASSERT_TRUE(shared[1].gradient.has_value());
   EXPECT_EQ(shared[1].gradient->axis, 0U);
+  EXPECT_EQ(shared[1].name, "b");
   EXPECT_GT(shared[1].gradient->chance, 0.001);
   const WindowError twice = error.scaled(2);
   EXPECT_EQ(twice.high, 2 * error.high);

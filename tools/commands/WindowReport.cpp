@@ -44,11 +44,19 @@ std::string windowText(
     const statistics::WindowGradient& gradient = *window.gradient;
     std::string slabs;
     for (const double slab : gradient.slabs)
-      slabs += fmt::format("{}{:.3g}", slabs.empty() ? "" : ", ", factor * slab);
-    text += fmt::format("        it changes along {}, slabs {}{}: no scatter, and left out of it; as layers {:.4g}{}\n",
-      axisNames[gradient.axis], slabs, unit, factor * gradient.layered, unit);
+      slabs += fmt::format("{}{:.3g}", slabs.empty() ? ", slabs " : ", ", factor * slab);
+    text += fmt::format("        it changes along {}{}{}: no scatter, and left out of it; as layers {:.4g}{}\n",
+      axisNames[gradient.axis], slabs, slabs.empty() ? "" : unit, factor * gradient.layered, unit);
   }
   return text;
+}
+
+Json windowsJson(std::span<const statistics::WindowError> windows)
+{
+  Json json = nullptr;
+  for (const statistics::WindowError& window : windows)
+    json[window.name] = windowJson(window);
+  return json;
 }
 
 Json windowJson(const statistics::WindowError& window)

@@ -3,6 +3,7 @@
 #include "files/JsonReport.h"
 #include "statistics/WindowError.h"
 
+#include <span>
 #include <string>
 
 /// What commands tell of how far a sample speaks for its material.
@@ -21,5 +22,7 @@ inline constexpr const char* windowHeading =
 
 /// `low`, `high`, `error` (relative), `deviation`, `freedom`, `bias`, `decay`, `pictures_for` by share, `gradient`.
 [[nodiscard]] Json windowJson(const statistics::WindowError& window);
+/// By name; null: none.
+[[nodiscard]] Json windowsJson(std::span<const statistics::WindowError> windows);
 
 } // namespace lamella::cli
