@@ -94,7 +94,7 @@ void heading()
     "half width", "error", "grad.", "cost");
 }
 
-void end(const Totals& totals)
+void tellTotals(const Totals& totals)
 {
   for (const auto& [name, of] : totals)
     fmt::print("all {:<14} {:.1f} % of {}\n", name, 100 * of[0] / of[1], of[1]);
@@ -175,7 +175,7 @@ void conductivity(const Keys& keys)
       }
     }
   }
-  end(totals);
+  tellTotals(totals);
 }
 
 elasticity::VoxelStiffness stiffnessOf(
@@ -243,7 +243,7 @@ void stiffness(const Keys& keys)
       tell(table, totals, tissue.kind, what, edge, line);
     }
   }
-  end(totals);
+  tellTotals(totals);
 }
 
 void poreNumbers(const Keys& keys)
@@ -274,7 +274,7 @@ void poreNumbers(const Keys& keys)
         tell(table, totals, tissue.kind, name, edge, line);
     }
   }
-  end(totals);
+  tellTotals(totals);
 }
 
 /// From earlywood to latewood along x.
