@@ -38,6 +38,8 @@ std::vector<lbm::DiffusionAnswer> solved(const PhaseImage& image, const std::vec
   options.estimateError = false;
   options.windowError = windows;
   options.steady.maxIterations = 2000;
+  if (image.lattice.dimension == 3)
+    options.steady.stencil = lbm::Stencil::D3Q7;
   return lbm::studyDiffusion(image, conductivity, options, MPI_COMM_SELF);
 }
 
@@ -185,7 +187,8 @@ elasticity::VoxelStiffness stiffnessOf(
   const Continuum continuum = image.lattice.dimension == 3 ? Continuum::Space : Continuum::PlaneStress;
   std::vector<VoxelMaterial> materials(2);
   for (int id = 0; id < 2; ++id)
-    materials[static_cast<std::size_t>(id)].stiffness = isotropicStiffness(continuum, id == solid ? 1.0 : 0.0, 0.3);
+    materials[static_cast<std::size_t>(id)].stiffness =
+      id == solid ? isotropicStiffness(continuum, 1, 0.3) : voidStiffness(continuum);
   VoxelStiffnessOptions options;
   options.sides = sides;
   options.estimateError = false;

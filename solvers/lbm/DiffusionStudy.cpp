@@ -149,16 +149,17 @@ private:
     }
   }
 
-  /// Solves a picture along one axis.
+  /// Who solves a lattice: all ranks, or each by itself.
+  [[nodiscard]] MPI_Comm handleOf(const Lattice& lattice) const { return shares(lattice) ? comm_ : MPI_COMM_SELF; }
+
   /// @param refined the nodes of `part`, split
-  SteadyResult solve(const PhaseImage& refined, const Part& part, int refinement, DiffusionAnswer& answer,
-    RefinementStep& step, bool fields)
+  /// @param solves  for how many directions
+  SteadyDiffusion solverOf(const PhaseImage& refined, const Part& part, int refinement, bool fields, int solves = 1)
   {
-    const MPI_Comm handle = shares(refined.lattice) ? comm_ : MPI_COMM_SELF;
-    const Communicator comm(handle);
+    const MPI_Comm handle = handleOf(refined.lattice);
     const Block block = decompose(refined.lattice, handle);
     SteadyOptions steady = options_.steady;
-    steady.progress = progress_.of(static_cast<double>(refined.lattice.count()));
+    steady.progress = progress_.of(static_cast<double>(refined.lattice.count()) * solves);
     if (handle != comm_)
       steady.progress = {}; // a moment's work that every rank does: none may stop alone
     if (!fields)
@@ -183,9 +184,16 @@ private:
       }
     }
     const bool whole = block.count() == refined.lattice.count();
-    SteadyDiffusion solver = whole
-      ? SteadyDiffusion(refined.lattice, block, refined.phase, diffusivity_, steady, handle)
-      : SteadyDiffusion(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, handle);
+    return whole ? SteadyDiffusion(refined.lattice, block, refined.phase, diffusivity_, steady, handle)
+                 : SteadyDiffusion(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, handle);
+  }
+
+  /// Solves a picture along one axis.
+  SteadyResult solve(const PhaseImage& refined, const Part& part, int refinement, DiffusionAnswer& answer,
+    RefinementStep& step, bool fields)
+  {
+    const Communicator comm(handleOf(refined.lattice));
+    SteadyDiffusion solver = solverOf(refined, part, refinement, fields);
     if (!std::exchange(pathsKnown_, true)) // splitting pixels changes no neighbourhood: the first solve tells of all
       requirePaths(solver, options_.axes, image_.lattice.dimension);
     SteadyResult result = solver.solve(answer.axis);
@@ -195,7 +203,7 @@ private:
     step.seconds += comm.max(result.setupSeconds + result.solveSeconds);
     step.value = valueOf(result, answer.axis);
     if (fields)
-      sink_(solver, answer, refined.lattice, block);
+      sink_(solver, answer, refined.lattice, decompose(refined.lattice, handleOf(refined.lattice)));
     return result;
   }
 
@@ -371,55 +379,72 @@ private:
   /// The picture's windows along all axes: the answers' window errors.
   void solveWindows(std::vector<DiffusionAnswer>& answers)
   {
-    const int n = options_.refinement;
-    std::vector<statistics::WindowProperty> properties;
-    for (auto& a : answers)
+    std::vector<statistics::WindowProperty> properties(answers.size());
+    for (const int parts : windowParts)
     {
-      statistics::WindowProperty& property = properties.emplace_back();
-      property.value = valueOf(a.result, a.axis);
-      property.seriesAxis = static_cast<std::size_t>(a.axis);
-      for (const int parts : windowParts)
+      const SubWindows cuts = subWindows(image_.lattice, parts);
+      if (cuts.windows.size() < 2)
+        continue;
+      std::vector<RefinementStep> steps(answers.size());
+      for (std::size_t i = 0; i < answers.size(); ++i)
       {
-        const SubWindows cuts = subWindows(image_.lattice, parts);
-        if (cuts.windows.size() < 2)
-          continue;
-        RefinementStep step;
-        step.parts = parts;
-        statistics::WindowTiling& tiling = property.tilings.emplace_back(statistics::WindowTiling{ cuts.counts, {} });
-        for (const SubWindow& window : cuts.windows)
-          tiling.values.push_back(windowValue(window, n, a, step));
-        summarise(step, tiling.values);
-        a.steps.push_back(step);
+        steps[i].parts = parts;
+        steps[i].refinement = options_.refinement;
+        properties[i].tilings.push_back({ cuts.counts, {} });
+      }
+      for (const SubWindow& window : cuts.windows)
+        solveWindow(window, answers, steps, properties);
+      for (std::size_t i = 0; i < answers.size(); ++i)
+      {
+        summarise(steps[i], properties[i].tilings.back().values);
+        answers[i].steps.push_back(steps[i]);
       }
     }
     if (properties.front().tilings.empty())
       return; // too small to be cut
+    for (std::size_t i = 0; i < answers.size(); ++i)
+    {
+      properties[i].value = valueOf(answers[i].result, answers[i].axis);
+      properties[i].seriesAxis = static_cast<std::size_t>(answers[i].axis);
+    }
     const std::vector<statistics::WindowError> errors =
       statistics::windowErrors(properties, { .sameSides = options_.steady.sides == Sides::Insulated });
     for (std::size_t i = 0; i < answers.size(); ++i)
       answers[i].window = errors[i];
   }
 
-  /// 0 where nothing leads across.
-  double windowValue(const SubWindow& window, int refinement, DiffusionAnswer& a, RefinementStep& step)
+  /// Along all axes. Where nothing leads across the value is 0.
+  void solveWindow(const SubWindow& window, const std::vector<DiffusionAnswer>& answers,
+    std::vector<RefinementStep>& steps, std::vector<statistics::WindowProperty>& properties)
   {
     PhaseImage picture = cut(image_, window);
-    if (std::ranges::none_of(picture.phase, [&](std::uint8_t id) { return diffusivity_[id] > 0; }))
-      return 0;
-    if (refinement > 1)
-      picture = refine(picture, refinement);
-    Part part;
-    part.first = window.first;
-    part.window = true;
-    try
+    std::vector<double> values(answers.size(), 0.0);
+    if (std::ranges::any_of(picture.phase, [&](std::uint8_t id) { return diffusivity_[id] > 0; }))
     {
-      (void)solve(picture, part, refinement, a, step, false);
-      return step.value;
+      if (options_.refinement > 1)
+        picture = refine(picture, options_.refinement);
+      Part part;
+      part.first = window.first;
+      part.window = true;
+      const Communicator comm(handleOf(picture.lattice));
+      SteadyDiffusion solver = solverOf(picture, part, options_.refinement, false, static_cast<int>(answers.size()));
+      for (std::size_t i = 0; i < answers.size(); ++i)
+      {
+        try
+        {
+          const SteadyResult result = solver.solve(answers[i].axis);
+          values[i] = valueOf(result, answers[i].axis);
+          steps[i].iterations += result.iterations;
+          steps[i].seconds += comm.max(result.setupSeconds + result.solveSeconds);
+        }
+        catch (const NoPathError&)
+        {
+        }
+        steps[i].nodes += picture.lattice.count();
+      }
     }
-    catch (const NoPathError&)
-    {
-      return 0;
-    }
+    for (std::size_t i = 0; i < answers.size(); ++i)
+      properties[i].tilings.back().values.push_back(values[i]);
   }
 
   /// Adds what the iteration leaves.

@@ -60,7 +60,8 @@ std::vector<statistics::WindowError> poreWindows(
     properties[i].name = names[i];
     properties[i].value = image[i];
   }
-  return statistics::windowErrors(properties, { .sameSides = !repeats });
+  // What sides cut is in proportion to them, but for corners: all of the bias is taken off.
+  return statistics::windowErrors(properties, { .biasTaken = 1, .biasDoubt = 0.5, .sameSides = !repeats });
 }
 
 } // namespace lamella::pores

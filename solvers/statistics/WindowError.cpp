@@ -48,6 +48,7 @@ public:
 
   [[nodiscard]] double count() const { return count_; }
   [[nodiscard]] double middle() const { return mean_; }
+  [[nodiscard]] double least() const { return *std::ranges::min_element(tiling_.values); }
   [[nodiscard]] const std::vector<std::size_t>& axes() const { return axes_; }
   [[nodiscard]] const std::vector<double>& slabs(std::size_t axis) const { return slabs_[axis]; }
   /// Mean square between the windows.
@@ -131,7 +132,7 @@ public:
       if (along ? along == a : explained > best)
       {
         best = explained;
-        found = WindowGradient{ a, moment / square * n, 1, slabs_[a], 0 };
+        found = WindowGradient{ a, moment / square * n, 1, slabs_[a], 0, 0, 0 };
       }
     }
     if (!found || freedom < 1)
@@ -218,11 +219,32 @@ double decayOf(const std::vector<Variance>& sizes)
   return std::isfinite(decay) ? decay : std::numeric_limits<double>::quiet_NaN();
 }
 
-void takeInterval(WindowError& error, double probability)
+/// The interval, with an axis whose slabs are layers or without.
+void takeInterval(WindowError& error, const std::vector<Variance>& sizes, const WindowOptions& options,
+  std::optional<std::size_t> layers)
 {
-  error.quantile = studentQuantile(probability, error.freedom);
-  const double half = error.quantile * std::hypot(error.deviation, 0.5 * error.bias);
-  error.low = error.expected - half;
+  error.bias = biasOf(error.value, sizes, options.sameSides,
+    [&](const Variance& s)
+    {
+      const double layered = layers ? s.layered(*layers, options.seriesAxis) : s.middle();
+      return std::isfinite(layered) ? layered : s.middle();
+    });
+  double sum = 0;
+  double weights = 0;
+  for (const Variance& s : sizes)
+  {
+    sum += (s.count() - 1) * s.ofPicture(layers);
+    weights += s.count() - 1;
+  }
+  error.deviation = std::sqrt(sum / weights);
+  error.freedom = sizes.back().freedom(layers);
+  error.expected = error.value - options.biasTaken * error.bias;
+  error.doubt = options.biasDoubt * std::abs(error.bias);
+  error.quantile = studentQuantile(options.probability, error.freedom);
+  const double half = error.quantile * std::hypot(error.deviation, error.doubt);
+  const bool positive =
+    error.value >= 0 && std::ranges::all_of(sizes, [](const Variance& s) { return s.least() >= 0; });
+  error.low = positive ? std::max(0.0, error.expected - half) : error.expected - half;
   error.high = error.expected + half;
 }
 
@@ -237,7 +259,7 @@ double WindowError::relative() const noexcept
 std::optional<double> WindowError::picturesFor(double share) const
 {
   const double allowed = share * std::abs(expected) / quantile;
-  const double left = allowed * allowed - 0.25 * bias * bias;
+  const double left = allowed * allowed - doubt * doubt;
   if (!(left > 0))
     return std::nullopt;
   return std::max(1.0, std::ceil(deviation * deviation / left));
@@ -246,16 +268,20 @@ std::optional<double> WindowError::picturesFor(double share) const
 WindowError WindowError::scaled(double factor) const
 {
   WindowError other = *this;
-  for (double* const number : { &other.value, &other.low, &other.high, &other.expected, &other.deviation, &other.bias })
+  for (double* const number :
+    { &other.value, &other.low, &other.high, &other.expected, &other.deviation, &other.bias, &other.doubt })
     *number *= factor;
   other.deviation = std::abs(other.deviation);
+  other.doubt = std::abs(other.doubt);
   if (factor < 0)
     std::swap(other.low, other.high);
   if (other.gradient)
   {
     WindowGradient& g = *other.gradient;
-    g.change *= factor;
-    g.layered *= factor;
+    for (double* const number : { &g.change, &g.layered, &g.low, &g.high })
+      *number *= factor;
+    if (factor < 0)
+      std::swap(g.low, g.high);
     for (double& slab : g.slabs)
       slab *= factor;
   }
@@ -269,32 +295,18 @@ WindowError windowError(double value, std::span<const WindowTiling> tilings, con
   WindowError error;
   error.value = value;
   error.decay = decayOf(sizes);
-  std::optional<std::size_t> layered;
+  takeInterval(error, sizes, options, std::nullopt);
   const Variance& smallest = sizes.back();
   if (auto gradient = smallest.gradient(options.changesAlong);
       gradient && (options.changesAlong || gradient->chance < options.gradientChance))
   {
-    layered = gradient->axis;
     gradient->layered = smallest.layered(gradient->axis, options.seriesAxis);
+    WindowError layers = error;
+    takeInterval(layers, sizes, options, gradient->axis);
+    gradient->low = layers.low;
+    gradient->high = layers.high;
     error.gradient = std::move(gradient);
   }
-  error.bias = biasOf(value, sizes, options.sameSides,
-    [&](const Variance& s)
-    {
-      const double layers = layered ? s.layered(*layered, options.seriesAxis) : s.middle();
-      return std::isfinite(layers) ? layers : s.middle();
-    });
-  double sum = 0;
-  double weights = 0;
-  for (const Variance& s : sizes)
-  {
-    sum += (s.count() - 1) * s.ofPicture(layered);
-    weights += s.count() - 1;
-  }
-  error.deviation = std::sqrt(sum / weights);
-  error.freedom = smallest.freedom(layered);
-  error.expected = value - 0.5 * error.bias;
-  takeInterval(error, options.probability);
   return error;
 }
 
@@ -337,7 +349,9 @@ WindowError sampleError(std::span<const double> values, double probability)
     sum += (v - error.value) * (v - error.value);
   error.freedom = count - 1;
   error.deviation = std::sqrt(sum / error.freedom / count);
-  takeInterval(error, probability);
+  error.quantile = studentQuantile(probability, error.freedom);
+  error.low = error.value - error.quantile * error.deviation;
+  error.high = error.value + error.quantile * error.deviation;
   return error;
 }
 

@@ -29,6 +29,9 @@ struct WindowOptions
   std::optional<std::size_t> seriesAxis{};
   /// Axis that the picture is known to change along, as another of its properties shows.
   std::optional<std::size_t> changesAlong{};
+  /// Share of the bias that is taken off, and that counts as a standard deviation.
+  double biasTaken = 0.5;
+  double biasDoubt = 0.5;
   /// Whether the picture's own value was made as those of its windows, with the same sides. If not, a picture with
   /// periodic sides say, its bias is told from the windows alone.
   bool sameSides = true;
@@ -43,6 +46,8 @@ struct WindowGradient
   std::vector<double> slabs; ///< mean of the windows of each slab across the axis
   /// Of the slabs as layers, in series or side by side; NaN where one in series is not above 0.
   double layered = std::numeric_limits<double>::quiet_NaN();
+  double low = 0;  ///< the interval of a material of such layers: what slabs differ by is no scatter
+  double high = 0; ///< its other end
 };
 
 /// All in the unit of the value.
@@ -50,13 +55,14 @@ struct WindowError
 {
   std::string name;     ///< of the property, where it has one
   double value = 0;     ///< of the picture, as it was given
-  double low = 0;       ///< the interval that holds the material's
+  double low = 0;       ///< the interval that holds the material's; of what is nowhere below 0 not below 0
   double high = 0;      ///< its other end
-  double expected = 0;  ///< its middle: the picture's value less half its bias
+  double expected = 0;  ///< its middle: the picture's value less what is taken off of its bias
   double deviation = 0; ///< standard deviation between the values of pictures of this size
   double freedom = 0;   ///< degrees of freedom that it counts for
   double quantile = 0;  ///< of Student's t: half the interval over its standard deviation
   double bias = 0;      ///< of the value against the material's because the picture ends, as far as its windows tell
+  double doubt = 0;     ///< of the bias, a standard deviation
   /// Var ∝ volume^−decay between the windows' sizes; 1 where windows are independent. Of two sizes it is rough.
   double decay = std::numeric_limits<double>::quiet_NaN();
   std::optional<WindowGradient> gradient;
@@ -87,8 +93,10 @@ struct WindowError
 /// Half of it is taken off and as much counts as a standard deviation.
 ///
 /// **Gradient.** The values of the smallest windows are regressed on their place along each axis; F-test against what
-/// is left, times the number of axes. Where one is found the slabs across that axis are taken out of the scatter,
-/// count as layers for the bias, and are told; the interval is then that of a material of such layers.
+/// is left, times the number of axes. Where one is found the slabs across that axis are told as layers, with the
+/// interval of a material of such layers: without what the slabs differ by, and with layers instead of means in the
+/// bias. Three slabs that differ by chance look like a gradient, too, so the first interval still counts them as
+/// scatter.
 ///
 /// The weights were found on generated tissues and held on others: docs/benchmarks/window.md.
 ///

@@ -36,7 +36,7 @@ std::string windowText(
   const std::string& name, const statistics::WindowError& window, const std::string& unit, double factor)
 {
   const double relative = window.relative();
-  std::string text = fmt::format("    {:<4}{:.4g} to {:.4g}{}   within {}; {}\n", name, factor * window.low,
+  std::string text = fmt::format("    {:<6}{:.4g} to {:.4g}{}   within {}; {}\n", name, factor * window.low,
     factor * window.high, unit, std::isfinite(relative) ? fmt::format("{:.2g} %", 100 * relative) : "unknown",
     std::isfinite(relative) ? remedy(window) : "no share of 0");
   if (window.gradient)
@@ -45,8 +45,9 @@ std::string windowText(
     std::string slabs;
     for (const double slab : gradient.slabs)
       slabs += fmt::format("{}{:.3g}", slabs.empty() ? ", slabs " : ", ", factor * slab);
-    text += fmt::format("        it changes along {}{}{}: no scatter, and left out of it; as layers {:.4g}{}\n",
-      axisNames[gradient.axis], slabs, slabs.empty() ? "" : unit, factor * gradient.layered, unit);
+    text += fmt::format("        it changes along {}{}{}; as such layers {:.4g}{}, {:.4g} to {:.4g}\n",
+      axisNames[gradient.axis], slabs, slabs.empty() ? "" : unit, factor * gradient.layered, unit,
+      factor * gradient.low, factor * gradient.high);
   }
   return text;
 }
@@ -73,7 +74,8 @@ Json windowJson(const statistics::WindowError& window)
   if (window.gradient)
     json["gradient"] = { { "axis", axisNames[window.gradient->axis] },
       { "change", jsonNumber(window.gradient->change) }, { "chance", jsonNumber(window.gradient->chance) },
-      { "slabs", window.gradient->slabs }, { "layered", jsonNumber(window.gradient->layered) } };
+      { "slabs", window.gradient->slabs }, { "layered", jsonNumber(window.gradient->layered) },
+      { "low", jsonNumber(window.gradient->low) }, { "high", jsonNumber(window.gradient->high) } };
   return json;
 }
 

@@ -161,7 +161,11 @@ void describe(vtkImageData* output, const SteadyFindings& found)
     window(
       "window_gradient",
       [](const WindowError& w) { return w.gradient ? static_cast<double>(w.gradient->axis) : notFound; });
-    window("layered_conductivity", [](const WindowError& w) { return w.gradient ? w.gradient->layered : notFound; });
+    window(
+      "layered_conductivity", [](const WindowError& w) { return w.gradient ? w.gradient->layered : notFound; });
+    window(
+      "layered_low", [](const WindowError& w) { return w.gradient ? w.gradient->low : notFound; });
+    window("layered_high", [](const WindowError& w) { return w.gradient ? w.gradient->high : notFound; });
   }
   setFieldNumbers(output, "phase_conductivity", found.conductivity);
   if (!found.across.empty())

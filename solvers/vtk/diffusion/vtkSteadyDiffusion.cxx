@@ -315,9 +315,9 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   gathered ? this->SolveGathered(scene, store, team) : this->SolveInBlocks(scene, store, team);
   output->ShallowCopy(input);
   // Of a state in time, which this is none, and of a window error, which may not be asked for.
-  for (const char* const name :
-    { "time", "inlet_flux", "outlet_flux", "window_error", "window_error_by_direction", "window_low", "window_high",
-      "window_deviation", "window_freedom", "window_bias", "window_gradient", "layered_conductivity" })
+  for (const char* const name : { "time", "inlet_flux", "outlet_flux", "window_error", "window_error_by_direction",
+         "window_low", "window_high", "window_deviation", "window_freedom", "window_bias", "window_gradient",
+         "layered_conductivity", "layered_low", "layered_high" })
     output->GetFieldData()->RemoveArray(name);
   this->Internal->Found.phaseArray = storePhases(output, scene.phases, team);
   this->Conclude();

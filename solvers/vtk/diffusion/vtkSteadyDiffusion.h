@@ -26,8 +26,8 @@
  *   holds the material's value), `window_deviation` (standard deviation between such pictures), `window_freedom` (degrees
  *   of freedom behind it), `window_bias` (what the picture's ends do), each 3 numbers in the unit of the conductivities,
  *   by direction; `window_gradient`: the axis, 0 to 2, along which the values change steadily, NaN: none;
- *   `layered_conductivity`: then the value of its slabs as layers, in series or in parallel
- *   (statistics/WindowError.h)
+ *   `layered_conductivity`: then the value of its slabs as layers, in series or in parallel, and `layered_low`,
+ *   `layered_high`, the interval of a material of such layers (statistics/WindowError.h)
  * - `tortuosity_factor`: 3 numbers, mean conductivity (the parallel bound) over the effective one. Where one phase
  * alone conducts also `relative_conductivity`, effective over that phase's (of pores D_eff / D_0), and
  * `formation_factor`, its inverse; the tortuosity factor then is the phase's fraction times the formation factor. NaN

@@ -34,6 +34,9 @@ constexpr Column columns[] = {
   { "window_bias", [](const WindowError& w) { return w.bias; } },
   { "window_gradient",
     [](const WindowError& w) { return w.gradient ? static_cast<double>(w.gradient->axis) : unknown; } },
+  { "window_doubt", [](const WindowError& w) { return w.doubt; } },
+  { "window_layered_low", [](const WindowError& w) { return w.gradient ? w.gradient->low : unknown; } },
+  { "window_layered_high", [](const WindowError& w) { return w.gradient ? w.gradient->high : unknown; } },
   { "window_layered", [](const WindowError& w) { return w.gradient ? w.gradient->layered : unknown; } },
 };
 
@@ -73,16 +76,19 @@ std::vector<WindowError> windowFields(vtkDataObject* data)
     error.value = numbers("window_value", i);
     error.low = numbers("window_low", i);
     error.high = numbers("window_high", i);
-    error.expected = 0.5 * (error.low + error.high);
     error.deviation = numbers("window_deviation", i);
     error.freedom = numbers("window_freedom", i);
     error.quantile = statistics::studentQuantile(0.95, error.freedom);
     error.bias = numbers("window_bias", i);
+    error.doubt = numbers("window_doubt", i);
+    error.expected = error.high - error.quantile * std::hypot(error.deviation, error.doubt);
     if (const double axis = numbers("window_gradient", i); std::isfinite(axis))
     {
       error.gradient.emplace();
       error.gradient->axis = static_cast<std::size_t>(axis);
       error.gradient->layered = numbers("window_layered", i);
+      error.gradient->low = numbers("window_layered_low", i);
+      error.gradient->high = numbers("window_layered_high", i);
     }
     errors.push_back(error);
   }

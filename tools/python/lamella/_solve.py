@@ -51,6 +51,8 @@ class DiffusionResult(ImageBase):
         "Axis, 0 to 2, along which the picture changes steadily, by direction; empty where it does not.", by="_by_direction")
     layered_conductivity: dict[str, float] = told(
         "Of a picture that changes so its slabs as layers, in series or in parallel, by direction.", by="_by_direction")
+    layered_low: dict[str, float] = told("The interval of a material of such layers, by direction.", by="_by_direction")
+    layered_high: dict[str, float] = told("Its other end, by direction.", by="_by_direction")
     extrapolated: dict[str, float] = told(
         "Effective conductivity that the material is expected to have, by direction: only where it is nearer.",
         "extrapolated_conductivity", by="_by_direction")
