@@ -60,8 +60,9 @@ std::vector<statistics::WindowError> poreWindows(
     properties[i].name = names[i];
     properties[i].value = image[i];
   }
+  properties.back().biasDoubt = 0.5; // means are over a number that is biased itself
   // What sides cut is in proportion to them, but for corners: all of the bias is taken off.
-  return statistics::windowErrors(properties, { .biasTaken = 1, .biasDoubt = 0.5, .sameSides = !repeats });
+  return statistics::windowErrors(properties, { .biasTaken = 1, .biasDoubt = 0.25, .sameSides = !repeats });
 }
 
 } // namespace lamella::pores

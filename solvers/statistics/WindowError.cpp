@@ -318,6 +318,7 @@ std::vector<WindowError> windowErrors(std::span<const WindowProperty> properties
   for (const WindowProperty& property : properties)
   {
     own.seriesAxis = property.seriesAxis;
+    own.biasDoubt = property.biasDoubt.value_or(options.biasDoubt);
     errors.push_back(windowError(property.value, property.tilings, own));
     errors.back().name = property.name;
   }
@@ -331,6 +332,7 @@ std::vector<WindowError> windowErrors(std::span<const WindowProperty> properties
     if (!errors[i].gradient || errors[i].gradient->axis != *own.changesAlong)
     {
       own.seriesAxis = properties[i].seriesAxis;
+      own.biasDoubt = properties[i].biasDoubt.value_or(options.biasDoubt);
       errors[i] = windowError(properties[i].value, properties[i].tilings, own);
       errors[i].name = properties[i].name;
     }

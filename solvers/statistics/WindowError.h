@@ -113,7 +113,8 @@ struct WindowProperty
   std::string name;
   double value = 0;
   std::vector<WindowTiling> tilings;
-  std::optional<std::size_t> seriesAxis{};
+  std::optional<std::size_t> seriesAxis;
+  std::optional<double> biasDoubt{}; ///< where it is not that of the options
 };
 
 /// The same of each of them. A picture that one of them shows to change along an axis changes for all of them.

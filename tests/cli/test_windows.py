@@ -37,7 +37,7 @@ class Windows(Case):
 
     def test_a_regular_sample_is_known(self):
         # Windows of whole layers are alike.
-        self.write("p.png", pictures.png(pictures.stripes(48, 24, bands=16)))
+        self.write("p.png", pictures.png(pictures.stripes(72, 24, bands=24)))
         answer = self.works("diffusion", "p.png", *PHASES, *CONDUCTIVITIES, "--window-error", "--json", "--no-error-estimate").json()
         self.assertLess(answer["window_error"], 1e-4)
         self.works("generate", "laminate", "--size", "48,24", "--axis", "x", "--cells", "12", "--solid-fraction", "0.5", "-o", "l.vti")

@@ -157,8 +157,8 @@ TEST(WindowError, TellsAGradientFromScatter)
   EXPECT_GT(layers.gradient->low, series - 0.3);
   EXPECT_GT(layers.bias, 0.2);
   // What one property shows holds for all.
-  const std::vector<WindowProperty> both{ { "a", error.value, tilings, {} },
-    { "b", meanOf(level), { tilingOf(level, n, 2), tilingOf(level, n, 3) }, {} } };
+  const std::vector<WindowProperty> both{ { "a", error.value, tilings, {}, {} },
+    { "b", meanOf(level), { tilingOf(level, n, 2), tilingOf(level, n, 3) }, {}, {} } };
   const std::vector<WindowError> shared = windowErrors(both);
   ASSERT_TRUE(shared[1].gradient.has_value());
   EXPECT_EQ(shared[1].gradient->axis, 0U);
