@@ -4,6 +4,7 @@
 #include "BoxExchange.h"
 #include "PhaseIds.h"
 #include "PoreTables.h"
+#include "WindowFields.h"
 #include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
@@ -11,6 +12,7 @@
 
 #include "core/Error.h"
 #include "pores/PoreLabelling.h"
+#include "pores/PoreWindows.h"
 
 #include "vtkFieldData.h"
 #include "vtkFloatArray.h"
@@ -98,6 +100,9 @@ struct vtkPoreFloodFill::Work
     const lamella::PhaseIds phases = lamella::phaseIds(input, this->Self->GetInputArrayInformation(0), this->Team);
     const std::uint8_t wanted = lamella::findVoid(phases, this->Self->Phase, "pores");
     const pores::LabelOptions options = this->Options();
+    if (this->Self->EstimateWindowError && this->Team.size() > 1)
+      throw lamella::ParameterError(
+        "a window error on several processes", "take one process, or leave the window error out");
     this->Output->ShallowCopy(input);
 
     const lamella::BoxExchange inward = this->Exchange(this->Whole.held, this->Block);
@@ -141,6 +146,10 @@ struct vtkPoreFloodFill::Work
     }
     lamella::fillPores(this->Pores, labelling.pores(), this->Whole);
     lamella::fillSizeDistribution(this->Distribution, labelling.pores(), this->Whole.lattice);
+    std::vector<lamella::statistics::WindowError> windows;
+    if (this->Self->EstimateWindowError)
+      windows = pores::poreWindows(this->Whole.lattice, ids, wanted, options);
+    lamella::setWindowFields(this->Output, windows);
     this->WriteNumbers(sum, options, name);
   }
 

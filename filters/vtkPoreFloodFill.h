@@ -23,6 +23,11 @@
  * `pore_closed` (shares of pore_total; open: touches a border that is not periodic, or percolates),
  * `pore_percolates` (3 numbers), `pore_connectivity`, `pore_periodic` (3), `pore_phase` (string).
  *
+ * Where EstimateWindowError is on and the image can be cut also `window_of`: `porosity`, `pore_density` [1/m², 1/m³],
+ * `pore_mean` [nodes], and in their order `window_errors`, how far the material's value may be from the image's (95 %),
+ * relative; `window_value`, `window_low`, `window_high`, `window_deviation`, `window_bias`, `window_freedom`,
+ * `window_gradient` (axis along which the image changes, NaN: none) and `window_layered` (statistics/WindowError.h).
+ *
  * **Periodic axes**: a pore that goes on at the other end is one pore and is put together for its centre and box: the
  * centre lies in the image, the box may end beyond it. What percolates along an axis has no end there; its centre is
  * the mean of the places in the image and its box is the whole axis.
@@ -97,6 +102,15 @@ public:
    * @off no-pore-size: Do not give each node the size of its pore.
    */
   vtkSwitchMacro(ComputePoreSize, true);
+
+  /**
+   * Also count the pores of the windows that the image is cut into, halves and thirds of it along each axis, and tell how
+   * far it speaks for the material that it was cut out of: intervals that hold the material's porosity, pores per area
+   * or volume, and their mean size with a probability of 95 %. On one process.
+   * @word window-error
+   * @advanced
+   */
+  vtkSwitchMacro(EstimateWindowError, false);
 
   /**
    * More pores are an error. What 32 bits hold, the default, is the most that there can be.

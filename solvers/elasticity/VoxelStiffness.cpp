@@ -7,6 +7,7 @@
 #include "core/Together.h"
 #include "elasticity/ElasticSystem.h"
 #include "elasticity/SharedVoxels.h"
+#include "elasticity/WindowStiffness.h"
 #include "lattice/SpacingError.h"
 #include "lattice/Subsample.h"
 #include "pores/PoreLabelling.h"
@@ -1199,8 +1200,21 @@ VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::
                             lattice.size[1], lattice.size[2], bytesText(bytes), bytesText(free)),
           "take a window, or every second voxel");
     });
-  return lattice.dimension == 3 ? Study<3>(lattice, phase, materials, axis, options).run()
-                                : Study<2>(lattice, phase, materials, axis, options).run();
+  VoxelStiffnessOptions own = options;
+  const bool windows = options.windowError && options.tensor;
+  if (windows && options.progress) // halves and thirds take about as long each as the box
+    own.progress = [&options](double share) { return options.progress(share / 3); };
+  VoxelStiffness result = lattice.dimension == 3 ? Study<3>(lattice, phase, materials, axis, own).run()
+                                                 : Study<2>(lattice, phase, materials, axis, own).run();
+  if (windows)
+  {
+    const double start = seconds();
+    result.windows = stiffnessWindows(lattice, phase, materials, axis, options, result);
+    result.windowSeconds = seconds() - start;
+    if (result.windows.empty())
+      result.warnings.emplace_back("the window error is not known: the box is too small to be cut into windows");
+  }
+  return result;
 }
 
 } // namespace lamella::elasticity

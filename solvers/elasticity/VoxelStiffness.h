@@ -6,6 +6,7 @@
 #include "elasticity/SideMatch.h"
 #include "elasticity/StiffnessError.h"
 #include "lattice/Lattice.h"
+#include "statistics/WindowError.h"
 
 #include <array>
 #include <cstdint>
@@ -74,6 +75,9 @@ struct VoxelStiffnessOptions
   /// Of the picture and the elements against the material, from coarser pictures of the same box (StiffnessError.h):
   /// every second, third and fourth voxel. About as much work as the box itself in space, twice that in the plane.
   bool estimateError = true;
+  /// Also solves the windows that the box is cut into, halves and thirds of it along each axis, with Straight sides:
+  /// how far it speaks for the material that it was cut out of. About twice the work of the box.
+  bool windowError = false;
   int nodesPerPixel = 1;                      ///< along each axis: pixels that were split before they came here
   int threads = 1;                            ///< of each rank, above 0
   Communicator ranks{ MPI_COMM_SELF };        ///< all with the same box and settings; they get the same answer
@@ -106,6 +110,10 @@ struct VoxelStiffness
   ElasticConstants constants;
   StiffnessError error;
   std::vector<StiffnessStep> steps; ///< every solve, in order
+  /// Of the diagonal's components, "xx" ..., and of the constants, by their names; without those that some window does
+  /// not have. Empty: not asked for, or the box is too small to be cut.
+  std::vector<statistics::WindowError> windows;
+  double windowSeconds = 0;
 
   std::int64_t solidVoxels = 0;
   std::int64_t pieces = 0;                       ///< of the solid, over faces of voxels

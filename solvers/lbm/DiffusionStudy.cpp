@@ -2,6 +2,7 @@
 
 #include "core/Error.h"
 #include "core/Memory.h"
+#include "lattice/SubWindows.h"
 #include "lattice/Subsample.h"
 #include "lbm/StudyChecks.h"
 
@@ -25,6 +26,8 @@ constexpr std::array strides{ 2, 3, 4 };
 constexpr std::int64_t fewestAcross = 3;
 // Pictures of a stride that are solved, about; in the plane there are 4, 9 and 16, in space 8, 27 and 64.
 constexpr std::size_t fewPictures = 8;
+// Windows differ by per cents: more digits of them tell nothing.
+constexpr double windowTolerance = 1e-5;
 
 /// The shares of solves in the whole, as far as they can be foreseen, handed on as one share that rises.
 class StudyProgress
@@ -71,6 +74,7 @@ struct Part
 {
   std::array<std::int64_t, 3> first{ 0, 0, 0 };
   std::int64_t stride = 1;
+  bool window = false; ///< one of those that the picture is cut into: its sides are insulated, whatever the picture's
 };
 
 class Study
@@ -100,10 +104,15 @@ public:
     foresee();
     const int refinement = options_.refinement;
     solvePicture(refinement, answers, !options_.targetError);
+    if (options_.windowError)
+      solveWindows(answers);
     if (options_.targetError)
       refineToTarget(answers);
     else if (options_.estimateError)
       estimate(answers);
+    for (DiffusionAnswer& a : answers)
+      if (a.window) // a finer lattice changes what varies as it changes the value
+        a.window = a.window->scaled(valueOf(a.result, a.axis) / a.window->value);
     return answers;
   }
 
@@ -117,6 +126,12 @@ private:
   {
     const int axes = static_cast<int>(options_.axes.size());
     progress_.foresee(base_, axes);
+    if (options_.windowError)
+      for (const int parts : windowParts)
+      {
+        const double windows = std::pow(parts, image_.lattice.dimension);
+        progress_.foresee(base_ / windows, axes * static_cast<int>(windows));
+      }
     if (!options_.estimateError && !options_.targetError)
       return;
     const double most = static_cast<double>(options_.estimateNodes);
@@ -134,21 +149,27 @@ private:
     }
   }
 
-  /// Solves a picture along one axis.
+  /// Who solves a lattice: all ranks, or each by itself.
+  [[nodiscard]] MPI_Comm handleOf(const Lattice& lattice) const { return shares(lattice) ? comm_ : MPI_COMM_SELF; }
+
   /// @param refined the nodes of `part`, split
-  SteadyResult solve(const PhaseImage& refined, const Part& part, int refinement, DiffusionAnswer& answer,
-    RefinementStep& step, bool fields, bool derivatives = false)
+  /// @param solves  for how many directions
+  SteadyDiffusion solverOf(const PhaseImage& refined, const Part& part, int refinement, bool fields, int solves = 1)
   {
-    const MPI_Comm handle = shares(refined.lattice) ? comm_ : MPI_COMM_SELF;
-    const Communicator comm(handle);
+    const MPI_Comm handle = handleOf(refined.lattice);
     const Block block = decompose(refined.lattice, handle);
     SteadyOptions steady = options_.steady;
-    steady.progress = progress_.of(static_cast<double>(refined.lattice.count()));
+    steady.progress = progress_.of(static_cast<double>(refined.lattice.count()) * solves);
     if (handle != comm_)
       steady.progress = {}; // a moment's work that every rank does: none may stop alone
     if (!fields)
       steady.fieldTolerance = std::numeric_limits<double>::infinity(); // nobody sees the field
-    if (part.stride > 1)
+    if (part.window)
+    {
+      steady.sides = Sides::Insulated;
+      steady.tolerance = std::max(steady.tolerance, windowTolerance);
+    }
+    if (part.stride > 1 || part.window)
       steady.method = Method::Auto; // what suits the picture need not suit a part of it
     if (options_.directed)
     {
@@ -163,9 +184,16 @@ private:
       }
     }
     const bool whole = block.count() == refined.lattice.count();
-    SteadyDiffusion solver = whole
-      ? SteadyDiffusion(refined.lattice, block, refined.phase, diffusivity_, steady, handle)
-      : SteadyDiffusion(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, handle);
+    return whole ? SteadyDiffusion(refined.lattice, block, refined.phase, diffusivity_, steady, handle)
+                 : SteadyDiffusion(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, handle);
+  }
+
+  /// Solves a picture along one axis.
+  SteadyResult solve(const PhaseImage& refined, const Part& part, int refinement, DiffusionAnswer& answer,
+    RefinementStep& step, bool fields, bool derivatives = false)
+  {
+    const Communicator comm(handleOf(refined.lattice));
+    SteadyDiffusion solver = solverOf(refined, part, refinement, fields);
     if (!std::exchange(pathsKnown_, true)) // splitting pixels changes no neighbourhood: the first solve tells of all
       requirePaths(solver, options_.axes, image_.lattice.dimension);
     SteadyResult result = solver.solve(answer.axis);
@@ -177,7 +205,7 @@ private:
     if (derivatives)
       answer.derivatives = solver.derivatives();
     if (fields)
-      sink_(solver, answer, refined.lattice, block);
+      sink_(solver, answer, refined.lattice, decompose(refined.lattice, handleOf(refined.lattice)));
     return result;
   }
 
@@ -334,14 +362,91 @@ private:
         values.push_back(0);
       }
     }
+    summarise(step, values);
+    a.steps.push_back(step);
+    return values;
+  }
+
+  /// Mean and scatter of several pictures.
+  static void summarise(RefinementStep& step, const std::vector<double>& values)
+  {
     const double count = static_cast<double>(values.size());
     step.pictures = static_cast<int>(values.size());
     step.value = std::accumulate(values.begin(), values.end(), 0.0) / count;
     for (const double v : values)
       step.scatter += (v - step.value) * (v - step.value);
     step.scatter = count > 1 ? std::sqrt(step.scatter / (count - 1)) : 0;
-    a.steps.push_back(step);
-    return values;
+  }
+
+  /// The picture's windows along all axes: the answers' window errors.
+  void solveWindows(std::vector<DiffusionAnswer>& answers)
+  {
+    std::vector<statistics::WindowProperty> properties(answers.size());
+    for (const int parts : windowParts)
+    {
+      const SubWindows cuts = subWindows(image_.lattice, parts);
+      if (cuts.windows.size() < 2)
+        continue;
+      std::vector<RefinementStep> steps(answers.size());
+      for (std::size_t i = 0; i < answers.size(); ++i)
+      {
+        steps[i].parts = parts;
+        steps[i].refinement = options_.refinement;
+        properties[i].tilings.push_back({ cuts.counts, {} });
+      }
+      for (const SubWindow& window : cuts.windows)
+        solveWindow(window, answers, steps, properties);
+      for (std::size_t i = 0; i < answers.size(); ++i)
+      {
+        summarise(steps[i], properties[i].tilings.back().values);
+        answers[i].steps.push_back(steps[i]);
+      }
+    }
+    if (properties.front().tilings.empty())
+      return; // too small to be cut
+    for (std::size_t i = 0; i < answers.size(); ++i)
+    {
+      properties[i].value = valueOf(answers[i].result, answers[i].axis);
+      properties[i].seriesAxis = static_cast<std::size_t>(answers[i].axis);
+    }
+    const std::vector<statistics::WindowError> errors =
+      statistics::windowErrors(properties, { .sameSides = options_.steady.sides == Sides::Insulated });
+    for (std::size_t i = 0; i < answers.size(); ++i)
+      answers[i].window = errors[i];
+  }
+
+  /// Along all axes. Where nothing leads across the value is 0.
+  void solveWindow(const SubWindow& window, const std::vector<DiffusionAnswer>& answers,
+    std::vector<RefinementStep>& steps, std::vector<statistics::WindowProperty>& properties)
+  {
+    PhaseImage picture = cut(image_, window);
+    std::vector<double> values(answers.size(), 0.0);
+    if (std::ranges::any_of(picture.phase, [&](std::uint8_t id) { return diffusivity_[id] > 0; }))
+    {
+      if (options_.refinement > 1)
+        picture = refine(picture, options_.refinement);
+      Part part;
+      part.first = window.first;
+      part.window = true;
+      const Communicator comm(handleOf(picture.lattice));
+      SteadyDiffusion solver = solverOf(picture, part, options_.refinement, false, static_cast<int>(answers.size()));
+      for (std::size_t i = 0; i < answers.size(); ++i)
+      {
+        try
+        {
+          const SteadyResult result = solver.solve(answers[i].axis);
+          values[i] = valueOf(result, answers[i].axis);
+          steps[i].iterations += result.iterations;
+          steps[i].seconds += comm.max(result.setupSeconds + result.solveSeconds);
+        }
+        catch (const NoPathError&)
+        {
+        }
+        steps[i].nodes += picture.lattice.count();
+      }
+    }
+    for (std::size_t i = 0; i < answers.size(); ++i)
+      properties[i].tilings.back().values.push_back(values[i]);
   }
 
   /// Adds what the iteration leaves.

@@ -4,6 +4,7 @@
 #include "lattice/PictureError.h"
 #include "lbm/DirectedLinks.h"
 #include "lbm/SteadyDiffusion.h"
+#include "statistics/WindowError.h"
 
 #include <cstdint>
 #include <functional>
@@ -24,6 +25,7 @@ struct RefinementStep
   int iterations = 0;
   double seconds = 0;   ///< wall, set-up included
   bool sampled = false; ///< solved on a centred window only, for the error estimate
+  int parts = 1;        ///< windows that the picture is cut into along each axis, for the window error
   int every = 1;        ///< every so many pixels along each axis make a picture
   int pictures = 1;     ///< how many such pictures were solved
   double scatter = 0;   ///< standard deviation of their values
@@ -55,9 +57,12 @@ struct DiffusionAnswer
   int refinement = 1;  ///< of that solve
   ErrorEstimate error;
   ConductivityDerivatives derivatives; ///< where they were asked for
-  Target target = Target::None;        ///< of the study: the same in every direction
-  TargetPlan plan;                     ///< where target is MemoryShort: what it would take
-  std::vector<RefinementStep> steps;   ///< every solve, in order
+  /// How far the picture speaks for its material; none where it was not asked for, or the picture is too small to be
+  /// cut.
+  std::optional<statistics::WindowError> window;
+  Target target = Target::None;      ///< of the study: the same in every direction
+  TargetPlan plan;                   ///< where target is MemoryShort: what it would take
+  std::vector<RefinementStep> steps; ///< every solve, in order
 };
 
 struct StudyOptions
@@ -68,6 +73,9 @@ struct StudyOptions
   bool estimateError = true; ///< of the lattice, from pixels split in two, and of the picture, from its subsamples
   /// Of the value by each conductivity (SteadyDiffusion::derivatives): a pass over the field.
   bool derivatives = false;
+  /// Also solves the windows that the picture is cut into, halves and thirds of it along each axis, with insulated
+  /// sides: how far its value may be from that of the material that it was cut out of.
+  bool windowError = false;
   /// Relative, of the total error: refines from `refinement` until it is below, as far as the picture itself allows.
   std::optional<double> targetError;
   /// Part of the memory that is free at the start that a target error may take.

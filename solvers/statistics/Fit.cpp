@@ -1,6 +1,7 @@
 #include "statistics/Fit.h"
 
 #include "core/Error.h"
+#include "statistics/Distributions.h"
 
 #include <fmt/format.h>
 
@@ -31,38 +32,6 @@ constexpr double farDifferences = 0.3;  // of a logarithm: made anew at the end 
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-// The upper incomplete gamma function over the complete one, by its series or continued fraction (Abramowitz & Stegun
-// 6.5.29, 6.5.31).
-double upperGamma(double a, double x)
-{
-  if (!(x > 0))
-    return 1;
-  const double scale = std::exp(a * std::log(x) - x - std::lgamma(a));
-  if (x < a + 1)
-  {
-    double term = 1 / a;
-    double sum = term;
-    for (int k = 1; k < 1000 && std::abs(term) > 1e-16 * sum; ++k)
-      sum += term *= x / (a + k);
-    return 1 - scale * sum;
-  }
-  double b = x + 1 - a;
-  double c = 1e300;
-  double d = 1 / b;
-  double fraction = d;
-  for (int k = 1; k < 1000; ++k)
-  {
-    const double an = -k * (k - a);
-    b += 2;
-    d = 1 / (an * d + b);
-    c = b + an / c;
-    fraction *= d * c;
-    if (std::abs(d * c - 1) < 1e-15)
-      break;
-  }
-  return scale * fraction;
-}
 
 VectorXd sigmasOf(const std::vector<FitMeasurement>& measurements)
 {
@@ -333,7 +302,7 @@ private:
       r.parameters.push_back({ std::exp(value), 0, 0 });
     r.misfit = point.rest.squaredNorm();
     r.freedom = static_cast<int>(n_ - m_);
-    r.chance = r.freedom > 0 ? upperGamma(0.5 * r.freedom, 0.5 * r.misfit) : 1;
+    r.chance = r.freedom > 0 ? chiSquareTail(r.misfit, r.freedom) : 1;
     r.evaluations = evaluations_;
     widen(r, measurements_);
     return r;

@@ -291,6 +291,50 @@ TEST(SteadyDiffusion, FieldDataSaysWhatWasDone)
   EXPECT_EQ(description(points(output, "flux"))[0], "conductivity/m");
 }
 
+// Layers of three nodes across 36: halves (18) and thirds (12) hold whole pairs of them, so all windows are alike and
+// the picture speaks for all of its material.
+TEST(SteadyDiffusion, WindowsOfARegularPictureAreAlike)
+{
+  const auto filter = solver(picture(36, 24, 1, layersAcrossX), vtkSteadyDiffusion::ALL);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_FALSE(filter->GetOutput()->GetFieldData()->HasArray("window_error")); // not asked for
+  filter->EstimateWindowErrorOn();
+  ASSERT_EQ(errorOf(filter), "");
+  vtkImageData* const output = filter->GetOutput();
+  constexpr double windows = 1e-4; // they are solved to 1e-5
+  EXPECT_LT(fieldNumbers(output, "window_error").at(0), windows);
+  EXPECT_NEAR(fieldNumbers(output, "window_low").at(0), series, windows * series);
+  EXPECT_NEAR(fieldNumbers(output, "window_high").at(1), parallel, windows * parallel);
+  EXPECT_TRUE(std::isnan(fieldNumbers(output, "window_low").at(2)));
+
+  // Shares tell two spacings, no windows; 7 nodes make no two windows of four.
+  filter->SetShares(0, 1);
+  EXPECT_NE(errorOf(filter).find("window error"), std::string::npos);
+  const auto small = solver(picture(7, 7, 1, layersAcrossX), vtkSteadyDiffusion::X);
+  small->EstimateWindowErrorOn();
+  ASSERT_EQ(errorOf(small), ""); // it warns
+  EXPECT_TRUE(std::isnan(fieldNumbers(small->GetOutput(), "window_error").at(0)));
+}
+
+// More and more of what conducts towards high x: layers, which no scatter tells. Their values are those of the shares.
+TEST(SteadyDiffusion, WindowsTellAGradient)
+{
+  const auto image = picture(72, 72, 1,
+    [](int x, int y, int) {
+      return y % 4 < (x < 24 ? 1 : x < 48 ? 2 : 3) ? 1 : 0;
+    });
+  const auto filter = solver(image, vtkSteadyDiffusion::ALL);
+  filter->EstimateWindowErrorOn();
+  ASSERT_EQ(errorOf(filter), "");
+  vtkImageData* const output = filter->GetOutput();
+  EXPECT_EQ(fieldNumbers(output, "window_gradient").at(0), 0); // of both values along x
+  EXPECT_EQ(fieldNumbers(output, "window_gradient").at(1), 0);
+  // Along y slabs of series: 1/(1 − s + s/10) for shares of a quarter, a half, three quarters; side by side. In the
+  // picture some flux passes from slab to slab, which raises its value a little.
+  EXPECT_NEAR(
+    fieldNumbers(output, "layered_conductivity").at(1) / fieldNumbers(output, "effective_conductivity").at(4), 1, 5e-3);
+}
+
 TEST(SteadyDiffusion, PhasesMayBeAnyWholeNumbers)
 {
   const auto image = picture(24, 18, 1, layersAcrossX);

@@ -459,6 +459,21 @@ class Diffusion(unittest.TestCase):
         self.assertLess(field[-1, 0], 0.05)
         self.assertEqual(result.fields["flux_x"].shape, (20, 30, 3))
 
+    def test_how_far_a_sample_speaks(self):
+        wood = lamella.softwood(size=(120, 100), seed=5)
+        heat = {"wall": 1, "lumen": 0.023}
+        plain = lamella.diffusion(wood, heat, estimate_error=False, field=False, flux=False)
+        self.assertEqual((plain.window_error, plain.window_low), ({}, {}))
+        found = lamella.diffusion(wood, heat, estimate_error=False, field=False, flux=False, window_error=True)
+        for i, axis in enumerate("xy"):
+            self.assertLess(found.window_low[axis], found.effective[i, i])
+            self.assertGreater(found.window_high[axis], found.effective[i, i])
+        stiff = lamella.stiffness(wood, {"wall": 1e10}, void="lumen", estimate_error=False, window_error=True)
+        self.assertLess(stiff.window_low["E_x"], stiff.window_high["E_x"])
+        pores = lamella.pore_flood_fill(wood, window_error=True)
+        self.assertEqual(set(pores.window_errors), {"porosity", "pore_density", "pore_mean"})
+        self.assertEqual(lamella.pore_flood_fill(wood).window_errors, {})
+
     def test_walls_with_a_direction(self):
         # One wall all over, 3 along the diagonal and 1 across it: the tensor, in the axes of the data (y up).
         cells = lamella.from_array(np.ones((8, 12), dtype=np.uint8), names=["lumen", "wall"], spacing=1e-6)

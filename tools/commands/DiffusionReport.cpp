@@ -1,5 +1,6 @@
 #include "commands/DiffusionReport.h"
 
+#include "commands/WindowReport.h"
 #include "files/JsonReport.h"
 #include "files/Record.h"
 #include "micrograph/MicrographReport.h"
@@ -34,7 +35,8 @@ Json stepsJson(const lbm::DiffusionAnswer& answer)
   {
     steps.push_back({ { "refine", step.refinement }, { "value", jsonNumber(step.value) }, { "nodes", step.nodes },
       { "iterations", step.iterations }, { "seconds", step.seconds }, { "part_of_sample", step.sampled },
-      { "every_pixel", step.every }, { "pictures", step.pictures }, { "scatter", jsonNumber(step.scatter) } });
+      { "every_pixel", step.every }, { "parts", step.parts }, { "pictures", step.pictures },
+      { "scatter", jsonNumber(step.scatter) } });
   }
   return steps;
 }
@@ -99,11 +101,23 @@ void addSensitivity(Json& json, const SteadyFindings& found)
           sensitivity[axis][found.phases[id] + (other ? ":across" : "")] = jsonNumber(by[id]);
     }
     if (const double error = found.inputError(answer); !std::isnan(error))
-    {
       inputs[axis] = jsonNumber(error);
+    if (found.windows || !found.uncertainty.empty() || !found.acrossUncertainty.empty())
       totals[axis] = jsonNumber(found.totalError(answer));
-    }
   }
+}
+
+/// How far the picture speaks for its material, by direction; null where it was not asked for.
+void addWindow(Json& json, const SteadyFindings& found)
+{
+  json["window_error"] = jsonNumber(found.windowError());
+  json["window_errors"] = nullptr;
+  if (!found.windows)
+    return;
+  json["window_errors"] = Json::object();
+  for (const auto& answer : found.answers)
+    if (answer.window)
+      json["window_errors"][axisNames[answer.axis]] = windowJson(*answer.window);
 }
 
 void addValues(Json& json, const DiffusionReport& report)
@@ -131,6 +145,7 @@ void addValues(Json& json, const DiffusionReport& report)
       json[std::string(key) + "s"][axisNames[answer.axis]] = jsonNumber(answer.error.*kind);
   }
   addSensitivity(json, report.found);
+  addWindow(json, report.found);
   const bool aimed = report.found.targetError > 0;
   json["target_error"] = aimed ? Json(report.found.targetError) : Json(nullptr);
   json["target"] = aimed ? Json(lbm::name(report.found.answers.front().target)) : Json(nullptr);
@@ -353,15 +368,34 @@ std::string sensitivityText(const DiffusionReport& report)
       shares += fmt::format("{}{} {}", shares.empty() ? "" : ", ", name, percent(error));
     text += fmt::format("       the conductivities' uncertainty leaves {}{}\n", percent(found.inputError(answer)),
       parts.size() > 1 ? " (" + shares + ")" : "");
-    if (const double total = found.totalError(answer); std::isfinite(total))
-      text += fmt::format(
-        "       {:.5g} ± {:.2g} in all (lattice and picture {:.2g}, conductivities {:.2g}); most of it: {}\n",
-        own(answer), total * own(answer), answer.error.relative * own(answer), found.inputError(answer) * own(answer),
-        answer.error.relative > found.inputError(answer) ? "lattice and picture"
-          : parts.empty()                                ? ""
-                                                         : "the conductivity of " + parts.front().second);
   }
   return text.empty() ? text : "  1 % more of a conductivity changes the value by\n" + text;
+}
+
+/// The whole error of each value, where more than that of lattice and picture was asked for: its parts, and the
+/// largest.
+std::string totalText(const DiffusionReport& report)
+{
+  const SteadyFindings& found = report.found;
+  if (!found.windows && found.uncertainty.empty() && found.acrossUncertainty.empty())
+    return "";
+  std::string text;
+  for (const auto& answer : found.answers)
+  {
+    const double total = found.totalError(answer);
+    if (!std::isfinite(total))
+      continue;
+    std::string list;
+    std::pair<std::string, double> most;
+    for (const auto& part : found.errorParts(answer))
+    {
+      list += fmt::format("{}{} {:.2g}", list.empty() ? "" : ", ", part.first, part.second * own(answer));
+      most = part.second > most.second ? part : most;
+    }
+    text += fmt::format("    {}  {:.5g} ± {:.2g} ({}); most of it: {}\n", axisNames[answer.axis], own(answer),
+      total * own(answer), list, most.first);
+  }
+  return text.empty() ? text : "  in all, of what was asked for\n" + text;
 }
 
 } // namespace
@@ -405,6 +439,13 @@ std::string toTable(const DiffusionReport& report)
       if (std::isfinite(answer.error.extrapolated))
         text += fmt::format("    {}  {:.5g}\n", axisNames[answer.axis], answer.error.extrapolated);
   }
+  if (std::ranges::any_of(report.found.answers, [](const auto& answer) { return answer.window.has_value(); }))
+  {
+    text += windowHeading;
+    for (const auto& answer : report.found.answers)
+      if (answer.window)
+        text += windowText(axisNames[answer.axis], *answer.window, "", 1);
+  }
   if (const std::optional<std::size_t> alone = report.found.conductingPhase())
   {
     text += fmt::format(
@@ -414,6 +455,7 @@ std::string toTable(const DiffusionReport& report)
         report.found.relative(answer), 1 / report.found.relative(answer), report.found.tortuosityFactor(answer));
   }
   text += report.found.rounding ? "" : sensitivityText(report);
+  text += totalText(report);
   text +=
     fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",
       report.found.bounds.series, report.found.bounds.parallel, report.found.bounds.hashinShtrikmanLower,

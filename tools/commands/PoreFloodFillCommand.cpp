@@ -1,5 +1,6 @@
 #include "commands/FilterRun.h"
 #include "commands/SampleRun.h"
+#include "commands/WindowReport.h"
 #include "files/FieldReport.h"
 #include "files/GridFile.h"
 #include "files/Input.h"
@@ -11,6 +12,7 @@
 #include "session/OutputFile.h"
 #include "session/Text.h"
 
+#include "WindowFields.h"
 #include "core/Clock.h"
 #include "core/Memory.h"
 #include "io/Provenance.h"
@@ -121,6 +123,7 @@ std::string toJson(const PoreReport& report)
   json["pixel_size"] = report.metres ? Json(lattice.spacing) : Json(nullptr);
   addKeys(json, f, { { "count", Whole }, { "largest", Whole }, { "mean" }, { "total", Whole } }, "pore_");
   addKeys(json, f, { { "porosity" } });
+  json["window_errors"] = windowsJson(windowFields(image));
   json["minimum_size"] = report.filter->GetMinimumSize();
   json["dropped"] = keysOf(f, { { "count", Whole, "dropped" }, { "total", Whole, "dropped", 1 } }, "pore_");
   json["open"] = keysOf(f, { { "count", Whole, "open_count" }, { "share", Number, "open" } }, "pore_");
@@ -188,6 +191,19 @@ std::string toTable(const PoreReport& report)
   const std::vector<std::string> through = axesOf(number.numbers("pore_percolates"));
   text += line("percolates",
     through.empty() ? "no pore leads from side to side" : fmt::format("along {}", fmt::join(through, ", ")));
+  if (const auto windows = windowFields(image); !windows.empty())
+  {
+    text += windowHeading;
+    const std::string per = lattice.dimension == 3 ? "mm³" : "mm²";
+    for (const statistics::WindowError& window : windows)
+    {
+      if (window.name == "pore_density")
+        text += report.metres ? windowText("pores ", window, " per " + per, lattice.dimension == 3 ? 1e-9 : 1e-6) : "";
+      else
+        text += windowText(
+          window.name == "pore_mean" ? "mean " : "porosity ", window, window.name == "pore_mean" ? " " + unit : "", 1);
+    }
+  }
   text += wroteText(report.written);
   return text;
 }

@@ -3,11 +3,13 @@
 #include "commands/FilterRun.h"
 #include "commands/SampleRun.h"
 #include "commands/StiffnessReport.h"
+#include "commands/WindowReport.h"
 #include "files/ResultFiles.h"
 #include "program/Commands.h"
 #include "program/SettingOptions.h"
 #include "session/Text.h"
 
+#include "WindowFields.h"
 #include "core/Clock.h"
 #include "core/Error.h"
 #include "core/Memory.h"
@@ -87,6 +89,7 @@ std::string stiffnessJson(const BondRun& run)
       { "axes", rowsOf(f.numbers("orthotropic_axes"), 3) }, { "rest", f("orthotropic_rest") } };
     json["by_direction"] = byDirectionJson(f);
   }
+  json["window_errors"] = windowsJson(windowFields(run.image));
   if (!f.numbers("expansion").empty())
     json["expansion"] = f.numbers("expansion");
   if (!f.numbers("load_strain").empty())
@@ -205,6 +208,17 @@ std::string stiffnessTable(const BondRun& run)
       f("isotropic_part", 2) / unit, name, f("isotropic_part", 3), percent(f("isotropic_part", 4)),
       percent(f("orthotropic_rest")));
     text += byDirectionText(f);
+  }
+  if (const auto windows = windowFields(run.image); !windows.empty())
+  {
+    text += windowHeading;
+    const auto [unit, name] = stressUnit(f("extremes", 1));
+    for (const statistics::WindowError& window : windows)
+    {
+      const bool ratio = window.name.starts_with("nu");
+      if (ratio || window.name.find('_') != std::string::npos) // the diagonal is in the field data
+        text += windowText(window.name, window, ratio ? "" : std::string(" ") + name, ratio ? 1 : 1 / unit);
+    }
   }
   if (!f.numbers("expansion").empty())
     text += fmt::format("  expansion for a change of 1: {}\n", componentsText(names, f.numbers("expansion"), 1));

@@ -83,7 +83,8 @@ Cost diffusion(const std::vector<std::string>& words, const Size& s)
   const double finer = error ? std::min(s.nodes * std::pow(2, s.dimension), 4194304.0) : 0;
   const double coarser = error ? 3 * std::min(s.nodes, 4194304.0) : 0;
   const double iterations = 15;
-  const double all = (s.nodes + finer + coarser) * directions(words, s);
+  const double windows = has(words, "window-error") ? 2 * s.nodes : 0; // halves and thirds of it along each axis
+  const double all = (s.nodes + finer + coarser + windows) * directions(words, s);
   return { "", 54 * std::max(s.nodes, finer) + 60 * s.nodes, all * iterations, "node iterations", 4e-7 * all };
 }
 

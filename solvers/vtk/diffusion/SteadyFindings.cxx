@@ -60,6 +60,15 @@ double SteadyFindings::error(double ErrorEstimate::*kind) const
   return lbm::worst(answers, kind);
 }
 
+double SteadyFindings::windowError() const
+{
+  double largest = notFound;
+  for (const lbm::DiffusionAnswer& answer : answers)
+    if (answer.window)
+      largest = std::fmax(largest, answer.window->relative());
+  return largest;
+}
+
 bool SteadyFindings::outlinesServe() const
 {
   return dimension == 2 && across.empty() && !shares && !rounding &&
@@ -111,9 +120,27 @@ double SteadyFindings::inputError(const lbm::DiffusionAnswer& answer) const
   return std::sqrt(sum);
 }
 
+std::vector<std::pair<std::string, double>> SteadyFindings::errorParts(const lbm::DiffusionAnswer& answer) const
+{
+  std::vector<std::pair<std::string, double>> parts;
+  const auto add = [&](const char* name, double error)
+  {
+    if (std::isfinite(error))
+      parts.emplace_back(name, error);
+  };
+  add("lattice and picture", answer.error.relative);
+  add("window", answer.window ? answer.window->relative() : notFound);
+  add("conductivities", inputError(answer));
+  return parts;
+}
+
 double SteadyFindings::totalError(const lbm::DiffusionAnswer& answer) const
 {
-  return std::hypot(inputError(answer), answer.error.relative);
+  const auto parts = errorParts(answer);
+  double sum = 0;
+  for (const auto& part : parts)
+    sum += part.second * part.second;
+  return parts.size() > 1 ? std::sqrt(sum) : notFound;
 }
 
 SteadyFindings SteadyFindings::along(int axis) const
@@ -169,10 +196,35 @@ void describe(vtkImageData* output, const SteadyFindings& found)
   writeSensitivity("conductivity_sensitivity", &lbm::ConductivityDerivatives::along);
   writeSensitivity("conductivity_across_sensitivity", &lbm::ConductivityDerivatives::across);
   if (!found.uncertainty.empty() || !found.acrossUncertainty.empty())
-  {
-    write(
-      "input_error_by_direction", [&](const auto& answer) { return found.inputError(answer); });
+    write("input_error_by_direction", [&](const auto& answer) { return found.inputError(answer); });
+  if (!found.uncertainty.empty() || !found.acrossUncertainty.empty() || found.windows)
     write("total_error_by_direction", [&](const auto& answer) { return found.totalError(answer); });
+  if (found.windows)
+  {
+    using statistics::WindowError;
+    const auto window = [&](const char* name, auto&& read)
+    { write(name, [&](const auto& answer) { return answer.window ? read(*answer.window) : notFound; }); };
+    setFieldNumbers(output, "window_error", std::array{ found.windowError() });
+    window(
+      "window_error_by_direction", [](const WindowError& w) { return w.relative(); });
+    window(
+      "window_low", [](const WindowError& w) { return w.low; });
+    window(
+      "window_high", [](const WindowError& w) { return w.high; });
+    window(
+      "window_deviation", [](const WindowError& w) { return w.deviation; });
+    window(
+      "window_freedom", [](const WindowError& w) { return w.freedom; });
+    window(
+      "window_bias", [](const WindowError& w) { return w.bias; });
+    window(
+      "window_gradient",
+      [](const WindowError& w) { return w.gradient ? static_cast<double>(w.gradient->axis) : notFound; });
+    window(
+      "layered_conductivity", [](const WindowError& w) { return w.gradient ? w.gradient->layered : notFound; });
+    window(
+      "layered_low", [](const WindowError& w) { return w.gradient ? w.gradient->low : notFound; });
+    window("layered_high", [](const WindowError& w) { return w.gradient ? w.gradient->high : notFound; });
   }
   setFieldNumbers(output, "phase_conductivity", found.conductivity);
   if (!found.across.empty())

@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 class vtkImageData;
@@ -34,6 +35,7 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   lbm::Stencil stencil = lbm::Stencil::D2Q5;
   lbm::Bounds bounds;
   double targetError = 0; ///< 0: none
+  bool windows = false;   ///< the window error was asked for
   lbm::Shortfall shortfall;
   std::string direction; ///< as it is written: x, y, z, all
   std::string sides;
@@ -44,6 +46,8 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   [[nodiscard]] std::array<double, 9> tensor() const;
   /// Relative, the largest of the directions; NaN where it is not known.
   [[nodiscard]] double error(double ErrorEstimate::*kind = &ErrorEstimate::relative) const;
+  /// How far the picture speaks for its material, relative, the largest of the directions; NaN where it is not known.
+  [[nodiscard]] double windowError() const;
   /// Whether outlines can be drawn through the pixels: a picture of two phases, each of which conducts the same in
   /// every direction.
   [[nodiscard]] bool outlinesServe() const;
@@ -58,7 +62,9 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   [[nodiscard]] double inputError(const lbm::DiffusionAnswer& answer, std::size_t id, bool across) const;
   /// All of them, which are independent: the root of the sum of squares; NaN where none is told.
   [[nodiscard]] double inputError(const lbm::DiffusionAnswer& answer) const;
-  /// With the estimated error; NaN where that or the other is not known.
+  /// What is known of the value's error, relative, by name: "lattice and picture", "window", "conductivities".
+  [[nodiscard]] std::vector<std::pair<std::string, double>> errorParts(const lbm::DiffusionAnswer& answer) const;
+  /// The root of the sum of their squares, which are independent; NaN where there are no two.
   [[nodiscard]] double totalError(const lbm::DiffusionAnswer& answer) const;
   /// Those of one direction alone.
   [[nodiscard]] SteadyFindings along(int axis) const;

@@ -310,6 +310,9 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
     throw lamella::ParameterError(
       "greys as shares of two phases, with pixels that are split or conduct along and across",
       "leave out the refinement, the target error and the second conductivity: two spacings give the error");
+  if (shares && this->EstimateWindowError)
+    throw lamella::ParameterError("greys as shares of two phases, with a window error",
+      "leave one of them out: the windows of phases, thresholded, tell the same");
   if (this->Interpolate && (shares || !this->Internal->Across.empty()))
     throw lamella::ParameterError("interpolated conductivities with shares, or along and across", "take one of them");
   std::optional<lamella::GreyTable> table;
@@ -322,8 +325,8 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
       else if (shares)
         bins = lamella::GreyBins::even(this->Shares[0], this->Shares[1]);
     });
-  const bool gathered =
-    this->EstimateError || this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty() || shares;
+  const bool gathered = this->EstimateError || this->EstimateWindowError || this->Refinement > 1 ||
+    this->TargetError > 0 || !this->Internal->Across.empty() || shares;
   const lamella::DiffusionScene scene(
     input, this->GetInputArrayInformation(0), this->Direction, team, gathered, lamella::Voxels::Any, bins);
   if (table)
@@ -332,7 +335,10 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   FieldStore store(this, scene, team);
   gathered ? this->SolveGathered(scene, store, team) : this->SolveInBlocks(scene, store, team);
   output->ShallowCopy(input);
-  for (const char* const name : { "time", "inlet_flux", "outlet_flux" }) // of a state in time: this is none
+  // Of a state in time, which this is none, and of a window error, which may not be asked for.
+  for (const char* const name : { "time", "inlet_flux", "outlet_flux", "window_error", "window_error_by_direction",
+         "window_low", "window_high", "window_deviation", "window_freedom", "window_bias", "window_gradient",
+         "layered_conductivity", "layered_low", "layered_high" })
     output->GetFieldData()->RemoveArray(name);
   this->Internal->Found.phaseArray = storePhases(output, scene.phases, team);
   this->Conclude();
@@ -588,6 +594,7 @@ void vtkSteadyDiffusion::SolveGathered(
   study.refinement = this->Refinement;
   study.estimateError = this->EstimateError;
   study.derivatives = this->TellsSensitivity();
+  study.windowError = this->EstimateWindowError;
   study.directed = internal.Directed;
   if (this->TargetError > 0)
   {
@@ -638,6 +645,10 @@ void vtkSteadyDiffusion::Conclude()
       }
     }
   }
+  found.windows = this->EstimateWindowError;
+  if (this->EstimateWindowError &&
+    std::ranges::any_of(found.answers, [](const lbm::DiffusionAnswer& answer) { return !answer.window; }))
+    vtkWarningMacro("the window error could not be told: the sample is too small to be cut into windows");
   if (this->TargetError > 0)
   {
     found.shortfall = lbm::shortfall(found.answers, this->TargetError, found.outlinesServe());

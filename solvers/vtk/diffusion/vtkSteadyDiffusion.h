@@ -21,6 +21,13 @@
  *   node a pixel and that of the pixels' own steps (lattice/PictureError.h); they may cancel. Each `_by_direction`: 3
  *   numbers. `extrapolated_conductivity`: 3 numbers, the diagonal that the material is expected to have; NaN where that
  *   is not surely nearer.
+ * - where EstimateWindowError is on: `window_error`, how far the material's value may be from the picture's, relative,
+ *   the largest of the directions (95 %), and `window_error_by_direction`; `window_low`, `window_high` (the interval
+ * that holds the material's value), `window_deviation` (standard deviation between such pictures), `window_freedom`
+ * (degrees of freedom behind it), `window_bias` (what the picture's ends do), each 3 numbers in the unit of the
+ * conductivities, by direction; `window_gradient`: the axis, 0 to 2, along which the values change steadily, NaN: none;
+ *   `layered_conductivity`: then the value of its slabs as layers, in series or in parallel, and `layered_low`,
+ *   `layered_high`, the interval of a material of such layers (statistics/WindowError.h)
  * - `tortuosity_factor`: 3 numbers, mean conductivity (the parallel bound) over the effective one. Where one phase
  * alone conducts also `relative_conductivity`, effective over that phase's (of pores D_eff / D_0), and
  * `formation_factor`, its inverse; the tortuosity factor then is the phase's fraction times the formation factor. NaN
@@ -38,7 +45,8 @@
  *   direction was not solved. K = Σ k ∂K/∂k. Of phases with two conductivities that is the one along; also
  *   `conductivity_across_sensitivity`
  * - with uncertainties `input_error_by_direction`: 3 numbers, what they leave of the effective conductivity, relative;
- *   `total_error_by_direction`: the root of the squares of that and of the estimated error, where there is one
+ *   `total_error_by_direction`: the root of the squares of that, of the estimated error and of the window's, where two
+ * are known
  * - `direction` ("x", "y", "z" or "all"), `sides`, `lattice`, `phase_array` (the array of the ids): strings
  * - `target`, where there is a target error: "reached", "picture too coarse", "memory short"
  * - `provenance`: one JSON string.
@@ -254,6 +262,17 @@ public:
    * @advanced
    */
   vtkSwitchMacro(ComputeSensitivity, false);
+
+  /**
+   * Also solve the windows that the picture is cut into, halves and thirds of it along each axis, and tell how far the
+   * picture speaks for the material that it was cut out of: an interval that holds the material's value with a
+   * probability of 95 %, how many such pictures a given error takes, and whether the picture changes along an axis.
+   * About twice the work of the solve itself.
+   * @word window-error
+   * @group Accuracy and cost
+   * @advanced
+   */
+  vtkSwitchMacro(EstimateWindowError, false);
 
   /**
    * Refine until the estimated error is below this share, as far as the picture's own pixels and memory allow; 0: no

@@ -8,6 +8,7 @@
 #include "StiffnessDirections.h"
 #include "StiffnessTables.h"
 #include "VoxelMaterials.h"
+#include "WindowFields.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -371,6 +372,7 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
   options.tolerance = this->Tolerance;
   options.maxIterations = this->MaximumIterations;
   options.estimateError = this->EstimateError;
+  options.windowError = this->EstimateWindowError;
   options.nodesPerPixel = this->NodesPerPixel;
   options.threads = this->ThreadCount();
   options.ranks = lamella::Communicator(team.comm());
@@ -511,6 +513,7 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
     lamella::setFieldNumbers(
       output, "hashin_shtrikman", std::array{ bounds.bulk[0], bounds.bulk[1], bounds.shear[0], bounds.shear[1] });
   }
+  lamella::setWindowFields(output, result.windows);
   if (!result.expansion.empty())
     lamella::setFieldNumbers(output, "expansion", result.expansion);
   if (result.loaded)
@@ -525,7 +528,8 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
     { "shares", shared ? nlohmann::json(this->Shares) : nlohmann::json(nullptr) } };
   lamella::setFieldText(output, "element_model", model.dump());
   nlohmann::json parameters{ { "model", model }, { "estimate_error", this->EstimateError },
-    { "nodes_per_pixel", this->NodesPerPixel }, { "tolerance", this->Tolerance } };
+    { "window_error", this->EstimateWindowError }, { "nodes_per_pixel", this->NodesPerPixel },
+    { "tolerance", this->Tolerance } };
   if (loaded)
     parameters["load"] = { { "mean_strain", this->Internal->Strain }, { "mean_stress", this->Internal->Stress },
       { "change", this->Change }, { "change_array", this->ChangeArray } };

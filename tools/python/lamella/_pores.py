@@ -8,10 +8,11 @@ from ._samples import ImageBase
 from ._settings import Settings, declared
 from ._solve import run_on
 from ._types import Array, Columns, Image, Progress
+from ._windows import WindowErrors
 from .vtkLamellaFilters import vtkPoreFloodFill
 
 
-class PoreFloodFillResult(ImageBase):
+class PoreFloodFillResult(WindowErrors, ImageBase):
     """``vtk`` is the image with ``pore`` and ``pore_size``; sizes are in pixels or voxels."""
 
     def __init__(self, image, pores, distribution) -> None:

@@ -31,11 +31,31 @@ class DiffusionResult(ImageBase):
             values[~np.eye(n, dtype=bool)] = np.nan
         return values
 
+    def _if_asked(self, name):
+        return self._by_direction(name) if self._numbers(name) is not None else {}
+
     estimated_error: float = told(
         "Relative error of the effective conductivity against the material's; NaN unless it was asked for.")
     lattice_error: float = told(
         "The part of it that one node a pixel makes, which a finer lattice of the same pixels mends.")
     picture_error: float = told("The part of it that the steps of the pixels make, which only smaller pixels mend.")
+    window_error: dict[str, float] = told(
+        "How far the material that the picture was cut out of may be from the picture's value, relative, by direction;"
+        " empty unless it was asked for.", "window_error_by_direction", by="_if_asked")
+    window_low: dict[str, float] = told("The interval that holds the material's value with 95 %, by direction.",
+                                        by="_if_asked")
+    window_high: dict[str, float] = told("Its other end, by direction.", by="_if_asked")
+    window_deviation: dict[str, float] = told(
+        "Standard deviation between the values of pictures of this size, by direction.", by="_if_asked")
+    window_bias: dict[str, float] = told(
+        "Value of the picture less the material's because the picture ends, as far as its windows tell, by direction.",
+        by="_if_asked")
+    window_gradient: dict[str, float] = told(
+        "Axis, 0 to 2, along which the picture changes steadily, by direction; empty where it does not.", by="_if_asked")
+    layered_conductivity: dict[str, float] = told(
+        "Of a picture that changes so its slabs as layers, in series or in parallel, by direction.", by="_if_asked")
+    layered_low: dict[str, float] = told("The interval of a material of such layers, by direction.", by="_if_asked")
+    layered_high: dict[str, float] = told("Its other end, by direction.", by="_if_asked")
     extrapolated: dict[str, float] = told(
         "Effective conductivity that the material is expected to have, by direction: only where it is nearer.",
         "extrapolated_conductivity", by="_by_direction")

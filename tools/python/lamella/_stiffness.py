@@ -14,10 +14,11 @@ from ._settings import Settings, declared
 from ._solve import as_image
 from ._stiffness_results import StiffnessBase
 from ._types import Any, Array, Image, Path, Progress
+from ._windows import WindowErrors
 from .vtkLamellaSolversVTK import vtkVoxelStiffness
 
 
-class StiffnessResult(StiffnessBase):
+class StiffnessResult(WindowErrors, StiffnessBase):
     """``vtk`` is the image with all numbers as field data and the fields of a load; ``vtk_tensor`` and ``vtk_constants``
     are vtkTables, ``vtk_directions`` a vtkPolyData.
 
