@@ -1,5 +1,6 @@
 #include "vtkSnapshot.h"
 
+#include "Failures.h"
 #include "Settings.h"
 #include "core/Error.h"
 #include "core/Lower.h"
@@ -23,6 +24,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <filesystem>
 #include <new>
 #include <span>
@@ -278,7 +280,10 @@ vtkImageData* vtkSnapshot::Draw()
   }
   catch (const std::bad_alloc&)
   {
-    this->Fail("there is not enough memory for the picture", "draw a smaller one, or a part of the data");
+    const lamella::MemoryError error(
+      "there is not enough memory for the picture", "draw a smaller one, or a part of the data");
+    lamella::keepFailure(std::make_exception_ptr(error)); // its kind is known so
+    this->Fail(error.what(), error.hint());
   }
   return this->Private->picture;
 }

@@ -34,7 +34,9 @@ void onError(png_structp png, png_const_charp text)
 
 void onWarning(png_structp png, png_const_charp text)
 {
-  if (std::strstr(text, "too large") != nullptr) // of a chunk: memory would be taken for it
+  // Of a chunk that is too large memory would be taken; that of the end holds nothing, and libpng 1.6.48 only warns of
+  // it.
+  if (std::strstr(text, "too large") != nullptr || std::strcmp(text, "IEND: CRC error") == 0)
     onError(png, text);
   auto& wrong = static_cast<PngTalk*>(png_get_error_ptr(png))->wrong;
   constexpr std::size_t most = 20; // of what a file can hold thousands of

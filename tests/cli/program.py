@@ -1,6 +1,7 @@
 """Runs build/bin/lamella as a user would, in an empty folder, and looks at what comes back."""
 
 import json
+import math
 import os
 import shutil
 import subprocess
@@ -25,6 +26,13 @@ class Result:
         if not isinstance(value, dict):
             raise AssertionError("not one JSON object: " + self.out)
         return value
+
+
+def processor(process):
+    """Seconds of processor time that a process has had; for ever where it has ended."""
+    with open(f"/proc/{process.pid}/stat", encoding="utf-8") as file:
+        fields = file.read().rsplit(")", 1)[1].split()
+    return math.inf if fields[0] == "Z" else (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 class Case(unittest.TestCase):

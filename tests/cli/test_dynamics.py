@@ -10,18 +10,11 @@ import time
 import unittest
 
 import pictures
-from program import PROGRAM, Case
+from program import PROGRAM, Case, processor
 
 STRIP = ["dynamics", "strip.png", "--phase", "255=stone", "--phase", "100=glue", "--young", "stone=2e9", "--young",
          "glue=1e9", "--like", "glue-stone=glue", "--density", "stone=2000", "--density", "glue=1000"]
 BREAKS = ["--critical-stretch", "stone=0.01", "--critical-stretch", "glue=0.002"]
-
-
-def processor(process):
-    """Seconds of processor time that a process has had; for ever where it has ended."""
-    with open(f"/proc/{process.pid}/stat", encoding="utf-8") as file:
-        fields = file.read().rsplit(")", 1)[1].split()
-    return math.inf if fields[0] == "Z" else (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
 
 
 class Dynamics(Case):

@@ -647,7 +647,9 @@ TEST(Encoders, APngThatSpeaksOfALargeChunkTakesNoMemoryForIt)
   const auto at = std::search(bytes.begin(), bytes.end(), type.begin(), type.end());
   ASSERT_NE(at, bytes.end());
   *(at - 4) = 0x7d; // of its length, 2 GB
-  EXPECT_TRUE(contains(refused(folder.write("a.png", bytes)), "too large"));
+  const std::string what = refused(folder.write("a.png", bytes));
+  // libpng 1.6.39 refuses the chunk; 1.6.48 looks for the next one behind it, where the file has ended.
+  EXPECT_TRUE(contains(what, "too large") || contains(what, "truncated")) << what;
 }
 
 TEST(Sha256, IsThatOfTheStandard)

@@ -8,6 +8,7 @@
 #include "session/OutputFile.h"
 #include "session/Text.h"
 
+#include "Failures.h"
 #include "io/Provenance.h"
 #include "vtkLatticeConversion.h"
 #include "vtkOffScreenWindows.h"
@@ -22,6 +23,7 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include <exception>
 #include <filesystem>
 #include <memory>
 #include <optional>
@@ -139,10 +141,13 @@ void snapshot(Session& session, const SnapshotOptions& options, const std::strin
   const io::Provenance record = recordRun(session, commandLine, options.picture.file, provenance(data));
   drawing->SetProvenance(io::toJson(record).c_str());
   drawing->SetOverwrite(true); // the temporary file; whether the name may be replaced was asked above
+  (void)takeFailure();
   const bool drawn = drawing->Write(file.temporary().c_str());
   Session::checkInterrupt();
   if (!drawn)
   {
+    if (const std::exception_ptr failure = takeFailure())
+      std::rethrow_exception(failure);
     const InputError error(drawing->GetErrorMessage(), drawing->GetErrorHint());
     file.rethrow(error);
     throw error;

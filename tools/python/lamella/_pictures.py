@@ -5,7 +5,7 @@ from __future__ import annotations
 from vtkmodules.vtkCommonDataModel import vtkDataObject, vtkPolyData
 
 from . import _files
-from ._errors import LamellaError
+from ._errors import LamellaError, last_failure
 from ._samples import ImageBase
 from ._settings import Settings, declared
 from ._solve import as_image
@@ -48,6 +48,7 @@ def snapshot(
         drawing.SetOverlayLines(lines)
     drawing.SetOverwrite(bool(overwrite))
     path = _files.new_path(path, overwrite)
+    last_failure()  # of something before
     if not drawing.Write(path) or errors:
-        raise LamellaError(drawing.GetErrorMessage(), drawing.GetErrorHint())
+        raise last_failure() or LamellaError(drawing.GetErrorMessage(), drawing.GetErrorHint())
     return path

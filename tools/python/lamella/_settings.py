@@ -225,10 +225,10 @@ def declared(kind, first=(), without=(), defaults=None, formerly=None, choice=No
             return function(settings=Settings({**table, **{name: whole[name] for name in fixed}}, values), **mine)
 
         call.__signature__ = signature
-        told = function.__doc__ or ""
-        lines = [_PROGRESS] if "progress" in own.parameters and "\n    progress " not in told else []
+        told = inspect.cleandoc(function.__doc__ or "")  # Python 3.13 keeps docstrings without their margin
+        lines = [_PROGRESS] if "progress" in own.parameters and "\nprogress " not in told else []
         lines += [line for name in [*first, *(name for name in table if name not in first)] for line in table[name].lines]
-        call.__doc__ = told.rstrip() + "\n\n" + "\n".join("    " + line for line in lines) + "\n    "
+        call.__doc__ = "\n".join([told, "", *lines])
         return call
 
     return decorate
