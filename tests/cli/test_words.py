@@ -9,7 +9,7 @@ import unittest
 import pictures
 from program import CONDUCTIVITIES, HERE, PHASES, Case
 
-COMMANDS = ["generate", "micrograph", "diffusion", "transient", "flux-map", "packing", "bridges", "equilibrium", "fracture", "dynamics", "stiffness", "bond-stiffness",
+COMMANDS = ["generate", "micrograph", "diffusion", "fit", "transient", "flux-map", "packing", "bridges", "equilibrium", "fracture", "dynamics", "stiffness", "bond-stiffness",
             "pore-flood-fill", "stress-pdf", "crack-path", "compression", "compression-curve", "collapse-map", "snapshot", "convert", "run", "report", "info"]
 
 
@@ -39,12 +39,12 @@ class Words(Case):
 
     def test_the_pages_know_every_option(self):
         folder = os.path.join(HERE, "..", "..", "docs", "commands")
-        kinds = ["softwood", "hardwood", "honeycomb", "checkerboard", "disks", "spheres", "laminate"]
+        kinds = {"generate": ["softwood", "hardwood", "honeycomb", "checkerboard", "disks", "spheres", "laminate"], "fit": ["diffusion", "stiffness"]}
         self.assertEqual(sorted(os.listdir(folder)), sorted([command + ".md" for command in COMMANDS] + ["README.md"]))
         options = {}
         for command in COMMANDS:
             options[command] = set()
-            for kind in kinds if command == "generate" else [""]:
+            for kind in kinds.get(command, [""]):
                 text = self.works(command, *kind.split(), "--help").out
                 for names in re.findall(r"^  (?:-\w, )?(--[\w-]+(?:, --[\w-]+)*)", text, re.MULTILINE):
                     options[command] |= set(names.split(", "))

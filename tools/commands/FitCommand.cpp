@@ -580,14 +580,14 @@ Command fitCommand(CLI::App& root)
   addFitOptions(*byDiffusion, *diffusion, "PHASE[=START]", "x|y|z=VALUE±HALF");
   diffusion->settings.declare(*byDiffusion, "vtkSteadyDiffusion",
     { "conductivity", "conductivity-across", "conductivity-uncertainty", "conductivity-across-uncertainty",
-      "sensitivity", "target-error", "shares", "interpolate", "field", "flux" });
+      "sensitivity", "target-error", "window-error", "shares", "interpolate", "field", "flux" });
   auto stiffness = std::make_shared<FitOptions>();
   CLI::App* const byStiffness = fit->add_subcommand("stiffness", "Moduli of phases from effective ones");
   addPictureOptions(*byStiffness, stiffness->picture);
   addFitOptions(*byStiffness, *stiffness, "PROPERTY:PHASE[=START]", "E_x|G_xy|…=VALUE±HALF");
   stiffness->settings.declare(*byStiffness, "vtkVoxelStiffness",
-    { "nodes-per-pixel", "shares", "mean-strain", "mean-stress", "change", "change-array", "tensor", "displacement",
-      "strain", "stress", "expansion", "expansion-across" });
+    { "nodes-per-pixel", "window-error", "shares", "mean-strain", "mean-stress", "change", "change-array", "tensor",
+      "displacement", "strain", "stress", "expansion", "expansion-across" });
   return { fit,
     [=](Session& session, const std::string& line)
     {
