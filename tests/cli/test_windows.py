@@ -39,7 +39,7 @@ class Windows(Case):
         # Windows of whole layers are alike.
         self.write("p.png", pictures.png(pictures.stripes(72, 24, bands=24)))
         answer = self.works("diffusion", "p.png", *PHASES, *CONDUCTIVITIES, "--window-error", "--json", "--no-error-estimate").json()
-        self.assertLess(answer["window_error"], 1e-4)
+        self.assertLess(answer["window_error"], 1e-3)
         self.works("generate", "laminate", "--size", "48,24", "--axis", "x", "--cells", "12", "--solid-fraction", "0.5", "-o", "l.vti")
         words = ["l.vti", "--young", "matrix=1e9,inclusion=3e9", "--window-error", "--json"]
         stiff = self.works("stiffness", *words).json()
