@@ -22,10 +22,10 @@
  *   numbers. `extrapolated_conductivity`: 3 numbers, the diagonal that the material is expected to have; NaN where that
  *   is not surely nearer.
  * - where EstimateWindowError is on: `window_error`, how far the material's value may be from the picture's, relative,
- *   the largest of the directions (95 %), and `window_error_by_direction`; `window_low`, `window_high` (the interval that
- *   holds the material's value), `window_deviation` (standard deviation between such pictures), `window_freedom` (degrees
- *   of freedom behind it), `window_bias` (what the picture's ends do), each 3 numbers in the unit of the conductivities,
- *   by direction; `window_gradient`: the axis, 0 to 2, along which the values change steadily, NaN: none;
+ *   the largest of the directions (95 %), and `window_error_by_direction`; `window_low`, `window_high` (the interval
+ * that holds the material's value), `window_deviation` (standard deviation between such pictures), `window_freedom`
+ * (degrees of freedom behind it), `window_bias` (what the picture's ends do), each 3 numbers in the unit of the
+ * conductivities, by direction; `window_gradient`: the axis, 0 to 2, along which the values change steadily, NaN: none;
  *   `layered_conductivity`: then the value of its slabs as layers, in series or in parallel, and `layered_low`,
  *   `layered_high`, the interval of a material of such layers (statistics/WindowError.h)
  * - `tortuosity_factor`: 3 numbers, mean conductivity (the parallel bound) over the effective one. Where one phase
