@@ -68,6 +68,9 @@ class Windows(Case):
         stiff = self.works("stiffness", name, "--void", "lumen", "--young", "wall=1e10", "--window-error", "--no-error-estimate", "--sides", "straight")
         self.assertIn("E_x ", stiff.out)
         self.assertIn("window: ", stiff.out)
+        pressed = self.works("stiffness", name, "--void", "lumen", "--young", "wall=1e10", "--window-error", "--sides", "slip", "--no-error-estimate")
+        self.assertIn("E_x ", pressed.out)
+        self.assertNotIn("G_xy ", pressed.out.split("window: ")[1])
         found = self.works("pore-flood-fill", name, "--window-error", "--json").json()["window_errors"]
         self.assertAlmostEqual(found["porosity"]["bias"], 0, delta=1e-3)  # means of windows are that of the image
         self.assertNotEqual(found["pore_mean"]["bias"], 0)  # sides cut pores
