@@ -223,7 +223,7 @@ void stiffness(const Keys& keys)
         truth[names[i]] += values[i] / static_cast<double>(large.size());
     }
     for (const auto& [what, sides] :
-      { std::pair{ "E, straight", StiffnessSides::Straight }, std::pair{ "E, periodic", StiffnessSides::Periodic } })
+      { std::pair{ "E straight", StiffnessSides::Straight }, std::pair{ "E periodic", StiffnessSides::Periodic } })
     {
       const std::int64_t edge = tissue.windows.front();
       Line line;

@@ -104,9 +104,9 @@ public:
   vtkSwitchMacro(ComputePoreSize, true);
 
   /**
-   * Also count the pores of the windows that the image is cut into, halves and thirds of it along each axis, and tell how
-   * far it speaks for the material that it was cut out of: intervals that hold the material's porosity, pores per area
-   * or volume, and their mean size with a probability of 95 %. On one process.
+   * Also count the pores of the windows that the image is cut into, halves and thirds of it along each axis, and tell
+   * how far it speaks for the material that it was cut out of: intervals that hold the material's porosity, pores per
+   * area or volume, and their mean size with a probability of 95 %. On one process.
    * @word window-error
    * @advanced
    */

@@ -27,7 +27,7 @@ constexpr std::int64_t fewestAcross = 3;
 // Pictures of a stride that are solved, about; in the plane there are 4, 9 and 16, in space 8, 27 and 64.
 constexpr std::size_t fewPictures = 8;
 // Windows differ by per cents: more digits of them tell nothing.
-constexpr double windowTolerance = 1e-5;
+constexpr double windowTolerance = 1e-4;
 
 /// The shares of solves in the whole, as far as they can be foreseen, handed on as one share that rises.
 class StudyProgress

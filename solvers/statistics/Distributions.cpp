@@ -43,8 +43,7 @@ double incompleteBeta(double a, double b, double x)
     return 0;
   if (x >= 1)
     return 1;
-  const double front =
-    std::exp(std::lgamma(a + b) - std::lgamma(a) - std::lgamma(b) + a * std::log(x) + b * std::log1p(-x));
+  const double front = std::exp(a * std::log(x) + b * std::log1p(-x)) / std::beta(a, b);
   return x < (a + 1) / (a + b + 2) ? front * betaFraction(a, b, x) / a : 1 - front * betaFraction(b, a, 1 - x) / b;
 }
 

@@ -301,7 +301,7 @@ TEST(SteadyDiffusion, WindowsOfARegularPictureAreAlike)
   filter->EstimateWindowErrorOn();
   ASSERT_EQ(errorOf(filter), "");
   vtkImageData* const output = filter->GetOutput();
-  constexpr double windows = 1e-4; // they are solved to 1e-5
+  constexpr double windows = 1e-3; // they are solved to 1e-4
   EXPECT_LT(fieldNumbers(output, "window_error").at(0), windows);
   EXPECT_NEAR(fieldNumbers(output, "window_low").at(0), series, windows * series);
   EXPECT_NEAR(fieldNumbers(output, "window_high").at(1), parallel, windows * parallel);

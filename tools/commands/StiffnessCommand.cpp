@@ -212,7 +212,10 @@ std::string stiffnessTable(const BondRun& run)
   if (const auto windows = windowFields(run.image); !windows.empty())
   {
     text += windowHeading;
-    const auto [unit, name] = stressUnit(f("extremes", 1));
+    double largest = 0;
+    for (const statistics::WindowError& window : windows)
+      largest = std::max(largest, window.name.starts_with("nu") ? 0.0 : window.value);
+    const auto [unit, name] = stressUnit(largest);
     for (const statistics::WindowError& window : windows)
     {
       const bool ratio = window.name.starts_with("nu");

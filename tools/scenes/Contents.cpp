@@ -29,7 +29,8 @@ const std::map<std::string, std::string>& reports()
       "effective{x y z} extrapolated{x y z} conducting_phase relative{x y z} formation_factor{x y z} "
       "tortuosity_factor{x y z} estimated_error estimated_errors{x y z} lattice_error lattice_errors{x y "
       "z} "
-      "picture_error picture_errors{x y z} window_error window_errors{x y z} target_error target tensor bounds{series parallel hashin_shtrikman} "
+      "picture_error picture_errors{x y z} window_error window_errors{x y z} target_error target tensor bounds{series "
+      "parallel hashin_shtrikman} "
       "iterations setup_seconds solve_seconds method directions{x y z} window warnings segmentation lattice sides "
       "length tolerance balance solver_error nodes stored skipped solver_bytes conductivity_rounding slice_distance:m" +
         run },
@@ -37,7 +38,8 @@ const std::map<std::string, std::string>& reports()
       "effective{x y z} tensor mean_flux tortuosity{x y z} tortuosity_factor{x y z} streamline_tortuosity{x y z} "
       "direction flux_magnitude{smallest largest mean} streamlines line_flux seconds" },
     { "pore-flood-fill",
-      "phase connectivity periodic size unit pixel_size:m count largest mean total porosity window_errors{*} minimum_size dropped{count "
+      "phase connectivity periodic size unit pixel_size:m count largest mean total porosity window_errors{*} "
+      "minimum_size dropped{count "
       "total} open{count share} closed{count share} percolates largest_pore{pore size equivalent_diameter:m window "
       "touches} distribution ranks seconds" },
     { "transient",
@@ -81,7 +83,8 @@ const std::map<std::string, std::string>& reports()
       "G_*{value:Pa extrapolated:Pa estimated_error:Pa} *{value extrapolated estimated_error}} bounds{voigt reuss "
       "hashin_shtrikman{bulk shear}} isotropic{bulk:Pa shear:Pa young:Pa poisson rest} orthotropic{stiffness axes "
       "rest} "
-      "window_errors{*} expansion load{strain stress energy:J/m³ iterations} materials{*} continuum sides eigenvalues resisting "
+      "window_errors{*} expansion load{strain stress energy:J/m³ iterations} materials{*} continuum sides eigenvalues "
+      "resisting "
       "asymmetry "
       "crosses{x y z} mismatch{x{seam layers} y{seam layers} z{seam layers}} pieces loose_pieces loose_nodes warnings "
       "iterations steps solver_error levels nodes solid_nodes bytes setup_seconds solve_seconds load_seconds "

@@ -41,8 +41,9 @@
  *   most; `extreme_directions`, `extreme_across`: where, three numbers of each
  * - where EstimateWindowError is on and the box can be cut: `window_of`, names of components of the diagonal and of
  *   constants, and in their order `window_errors`, how far the material's value may be from the box's (95 %), relative;
- *   `window_value`, `window_low`, `window_high`, `window_deviation`, `window_bias` in the value's unit, `window_freedom`,
- *   `window_gradient` (axis along which the box changes, NaN: none) and `window_layered` (statistics/WindowError.h)
+ *   `window_value`, `window_low`, `window_high`, `window_deviation`, `window_bias` in the value's unit,
+ * `window_freedom`, `window_gradient` (axis along which the box changes, NaN: none) and `window_layered`
+ * (statistics/WindowError.h)
  * - `hashin_shtrikman`: bulk modulus, lower and upper, shear modulus, lower and upper [Pa], of isotropic mixtures;
  * where all phases are isotropic
  * - `expansion`: mean strain of the free box for a change of 1, Voigt's order; where some phase expands
@@ -304,9 +305,9 @@ public:
   vtkSwitchMacro(EstimateError, true);
 
   /**
-   * Also solve the windows that the box is cut into, halves and thirds of it along each axis, and tell how far it speaks
-   * for the material that it was cut out of: an interval that holds the material's value with a probability of 95 %, and
-   * whether the box changes along an axis. About twice the work of the box.
+   * Also solve the windows that the box is cut into, halves and thirds of it along each axis, and tell how far it
+   * speaks for the material that it was cut out of: an interval that holds the material's value with a probability of
+   * 95 %, and whether the box changes along an axis. About twice the work of the box.
    * @word window-error
    * @group Accuracy and cost
    * @advanced
