@@ -75,13 +75,13 @@ double fisherTail(double f, double freedom, double freedomBelow)
 
 double chiSquareTail(double x, double freedom)
 {
-  if (!(freedom > 0))
-    throw ParameterError(fmt::format("chi square with a freedom of {}", freedom), "give one above 0");
+  if (!(freedom > 0 && freedom <= 300))
+    throw ParameterError(fmt::format("chi square with a freedom of {}", freedom), "give one above 0, up to 300");
   if (!(x > 0))
     return 1;
   const double a = 0.5 * freedom;
   const double z = 0.5 * x;
-  const double scale = std::exp(a * std::log(z) - z - std::lgamma(a));
+  const double scale = std::exp(a * std::log(z) - z) / std::tgamma(a); // lgamma is no function for threads
   constexpr int most = 10000;
   if (z < a + 1)
   {

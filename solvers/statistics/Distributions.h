@@ -21,7 +21,7 @@ namespace lamella::statistics
 
 /// How likely χ² with this freedom is above x (series and continued fraction of the incomplete gamma function, DLMF
 /// 8.11.4, 8.9.2), to about 1e-14.
-/// @throws ParameterError where the freedom is not above 0
+/// @throws ParameterError where the freedom is not above 0, or more than 300
 [[nodiscard]] double chiSquareTail(double x, double freedom);
 
 } // namespace lamella::statistics

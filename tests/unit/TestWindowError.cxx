@@ -57,6 +57,12 @@ TEST(Distributions, AreThoseOfTheTables)
   EXPECT_NEAR(incompleteBeta(2, 3, 0.4), 0.5248, 1e-12); // 1 − Σ binomial
   EXPECT_THROW((void)studentQuantile(1, 4), ParameterError);
   EXPECT_THROW((void)fisherTail(1, 0, 4), ParameterError);
+  EXPECT_NEAR(chiSquareTail(3.841458820694124, 1), 0.05, 1e-12);
+  EXPECT_NEAR(chiSquareTail(18.30703805327515, 10), 0.05, 1e-12);
+  EXPECT_NEAR(chiSquareTail(2, 2), std::exp(-1.0), 1e-14);
+  EXPECT_NEAR(chiSquareTail(1, 4), 1.5 * std::exp(-0.5), 1e-14);
+  EXPECT_EQ(chiSquareTail(0, 3), 1);
+  EXPECT_THROW((void)chiSquareTail(1, 0), ParameterError);
 }
 
 // Of white noise all is known: the picture's mean varies by σ²/cells, windows' variances fall as their area. 4000

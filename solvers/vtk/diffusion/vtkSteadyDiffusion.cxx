@@ -363,7 +363,7 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
       {
         if (!internal.Uncertainty.empty())
           throw lamella::ParameterError("uncertainties of conductivities that are interpolated between greys",
-            "leave them out; --sensitivity tells what each grey counts for");
+            "leave them out: sensitivities tell what each grey counts for");
         return;
       }
       found.conductivity = lamella::conductivityById(scene.phases, internal.Conductivity, scene.nodes);
