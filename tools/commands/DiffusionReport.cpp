@@ -62,7 +62,7 @@ Json jsonOf(const micrograph::VolumeReport& found)
     { "separability_before", found.separabilityBefore }, { "noise_left", found.noiseLeft }, { "levels", found.levels },
     { "means", found.means }, { "separability", found.separability }, { "valley", found.valley },
     { "smallest", found.smallest }, { "specks", found.specks }, { "speck_voxels", found.speckVoxels },
-    { "shell_voxels", found.shellVoxels } };
+    { "shell_voxels", found.shellVoxels }, { "surface_doubt", found.surfaceDoubt } };
   json["phases"] = Json::array();
   for (std::size_t id = 0; id < found.phases.size(); ++id)
   {
@@ -84,12 +84,15 @@ std::uint64_t peakMemoryBytes()
 namespace
 {
 
-/// By direction and phase: ∂K/∂k, and what the phases' uncertainty leaves, relative; null where that was not asked for.
+/// By direction and phase: ∂K/∂k, and what the phases' uncertainty leaves, relative; by direction and pair of phases
+/// how the value changes where the first grows into the second by a pixel, and what the doubt about surfaces leaves.
+/// null where that was not asked for.
 void addSensitivity(Json& json, const SteadyFindings& found)
 {
-  Json& sensitivity = json["sensitivity"] = nullptr;
-  Json& inputs = json["input_errors"] = nullptr;
-  Json& totals = json["total_errors"] = nullptr;
+  for (const char* const name :
+    { "sensitivity", "input_errors", "surface_sensitivity", "segmentation_errors", "total_errors" })
+    json[name] = nullptr;
+  json["surface_doubt"] = jsonNumber(found.surfaceDoubt);
   for (const auto& answer : found.answers)
   {
     const char* const axis = axisNames[answer.axis];
@@ -98,12 +101,22 @@ void addSensitivity(Json& json, const SteadyFindings& found)
       const auto& by = other ? answer.derivatives.across : answer.derivatives.along;
       for (std::size_t id = 0; id < by.size(); ++id)
         if (found.fractions[id] > 0 && (!other || std::isfinite(by[id])))
-          sensitivity[axis][found.phases[id] + (other ? ":across" : "")] = jsonNumber(by[id]);
+          json["sensitivity"][axis][found.phases[id] + (other ? ":across" : "")] = jsonNumber(by[id]);
     }
     if (const double error = found.inputError(answer); !std::isnan(error))
-      inputs[axis] = jsonNumber(error);
-    if (found.windows || !found.uncertainty.empty() || !found.acrossUncertainty.empty())
-      totals[axis] = jsonNumber(found.totalError(answer));
+      json["input_errors"][axis] = jsonNumber(error);
+    if (const double error = found.segmentationError(answer); !std::isnan(error))
+    {
+      json["segmentation_errors"][axis] = jsonNumber(error);
+      const std::size_t ids = found.conductivity.size();
+      for (std::size_t a = 0; a < ids; ++a)
+        for (std::size_t b = a + 1; b < ids; ++b)
+          if (const std::size_t pair = a * ids + b; answer.surfaces.area[pair] > 0)
+            json["surface_sensitivity"][axis][found.phases[a] + ":" + found.phases[b]] =
+              jsonNumber(answer.surfaces.shift[pair]);
+    }
+    if (found.tellsParts())
+      json["total_errors"][axis] = jsonNumber(found.totalError(answer));
   }
 }
 
@@ -372,12 +385,46 @@ std::string sensitivityText(const DiffusionReport& report)
   return text.empty() ? text : "  1 % more of a conductivity changes the value by\n" + text;
 }
 
+/// By direction: what moving surfaces does to the value, and what the doubt about them leaves.
+std::string surfacesText(const DiffusionReport& report)
+{
+  const SteadyFindings& found = report.found;
+  if (std::isnan(found.surfaceDoubt))
+    return "";
+  std::string text = fmt::format(
+    "  surfaces within {:.2g} pixels of where the picture has them change the value by\n", found.surfaceDoubt);
+  for (const auto& answer : found.answers)
+    text += fmt::format("    {}  {}\n", axisNames[answer.axis], percent(found.segmentationError(answer)));
+  return text;
+}
+
+/// How the total of a value's error comes down to half.
+std::string halvingText(const SteadyFindings& found, const lbm::DiffusionAnswer& answer)
+{
+  const auto parts = found.errorParts(answer);
+  const auto half = statistics::halving(parts);
+  if (!half)
+  {
+    auto largest = parts;
+    std::ranges::sort(largest, std::greater(), &statistics::ErrorPart::relative);
+    return fmt::format("half of it takes less of {} and of {}", largest[0].name, largest[1].name);
+  }
+  const std::string& name = parts[half->part].name;
+  if (name == "window")
+    return fmt::format("{:.0f} such samples halve it", std::ceil(1 / (half->factor * half->factor)));
+  if (name == "segmentation")
+    return fmt::format("surfaces within {:.2g} pixels halve it", half->factor * found.surfaceDoubt);
+  if (name == "conductivities")
+    return fmt::format("conductivities {:.1f} times as well known halve it", 1 / half->factor);
+  return fmt::format("pixels that err {:.1f} times less halve it", 1 / half->factor);
+}
+
 /// The whole error of each value, where more than that of lattice and picture was asked for: its parts, and the
 /// largest.
 std::string totalText(const DiffusionReport& report)
 {
   const SteadyFindings& found = report.found;
-  if (!found.windows && found.uncertainty.empty() && found.acrossUncertainty.empty())
+  if (!found.tellsParts())
     return "";
   std::string text;
   for (const auto& answer : found.answers)
@@ -386,14 +433,10 @@ std::string totalText(const DiffusionReport& report)
     if (!std::isfinite(total))
       continue;
     std::string list;
-    std::pair<std::string, double> most;
     for (const auto& part : found.errorParts(answer))
-    {
-      list += fmt::format("{}{} {:.2g}", list.empty() ? "" : ", ", part.first, part.second * own(answer));
-      most = part.second > most.second ? part : most;
-    }
-    text += fmt::format("    {}  {:.5g} ± {:.2g} ({}); most of it: {}\n", axisNames[answer.axis], own(answer),
-      total * own(answer), list, most.first);
+      list += fmt::format("{}{} {:.2g}", list.empty() ? "" : ", ", part.name, part.relative * own(answer));
+    text += fmt::format("    {}  {:.5g} ± {:.2g} ({}); {}\n", axisNames[answer.axis], own(answer), total * own(answer),
+      list, halvingText(found, answer));
   }
   return text.empty() ? text : "  in all, of what was asked for\n" + text;
 }
@@ -455,6 +498,7 @@ std::string toTable(const DiffusionReport& report)
         report.found.relative(answer), 1 / report.found.relative(answer), report.found.tortuosityFactor(answer));
   }
   text += report.found.rounding ? "" : sensitivityText(report);
+  text += surfacesText(report);
   text += totalText(report);
   text +=
     fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",
