@@ -114,10 +114,25 @@ class Scenes(Case):
         self.assertAlmostEqual(float(settings[0]["conductivity.mean"]) / mean, 1, places=12)
         self.assertAlmostEqual(float(settings[0]["conductivity.deviation"]) / deviation, 1, places=9)
         self.assertAlmostEqual(float(settings[0]["conductivity.error"]) / (deviation / 2), 1, places=9)
+        # Student's t for three degrees of freedom
+        self.assertAlmostEqual(float(settings[0]["conductivity.half_width"]) / (3.18245 * deviation / 2), 1, places=5)
         with open(self.path("scene.results/table.csv.json"), encoding="utf-8") as file:
             record = json.load(file)["provenance"]
         self.assertEqual(record["parameters"]["scene"]["text"], DIFFUSION)
         self.assertIn("lamella run scene.toml", record["command"])
+
+        # several pictures of one material
+        for seed in (1, 2, 3):
+            self.works("generate", "softwood", "--size", "48,48", "--seed", seed, "-o", f"{seed}.vti")
+        with open(self.path("files.toml"), "w", encoding="utf-8") as file:
+            file.write('average-over = ["sample.file"]\n[sample]\nfile = ["1.vti", "2.vti", "3.vti"]\n[diffusion]\nconductivity = { lumen '
+                       '= 0.2, wall = 1 }\ndirection = "x"\n[measure]\nconductivity = "diffusion.effective.x"\n')
+        said = self.works("run", "files.toml").out
+        self.assertIn("the mean of such samples is, with 95 % probability", said)
+        self.assertIn("such samples for", said)
+        files = self.table("table.csv", "files.results")
+        self.assertEqual([row["sample.file"] for row in files], ["1.vti", "2.vti", "3.vti"])
+        self.assertEqual([row["conductivity"] for row in files], [row["conductivity"] for row in rows[1:6:2]])
 
         # nothing runs twice; what is added runs alone; the command line wins
         again = self.works("run", "scene.toml", "--json", "--stats").json()

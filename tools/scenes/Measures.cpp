@@ -5,6 +5,7 @@
 #include "files/JsonReport.h"
 #include "session/Text.h"
 
+#include "statistics/WindowError.h"
 #include "vtkLatticeConversion.h"
 
 #include <vtkDoubleArray.h>
@@ -416,30 +417,24 @@ vtkSmartPointer<vtkTable> settingTable(const Scene& scene, const Sweep& sweep, v
       if (column == nullptr ||
         std::ranges::any_of(sweep.axes(), [&](const SweepAxis& axis) { return axis.path == column->GetName(); }))
         continue;
-      double sum = 0;
-      double count = 0;
+      std::vector<double> values;
       for (const vtkIdType row : rows)
-      {
-        const double value = column->GetValue(row);
-        sum += std::isfinite(value) ? value : 0;
-        count += std::isfinite(value) ? 1 : 0;
-      }
-      const double mean = sum / count;
-      double squares = 0;
-      for (const vtkIdType row : rows)
-      {
-        const double value = column->GetValue(row);
-        squares += std::isfinite(value) ? (value - mean) * (value - mean) : 0;
-      }
-      const double deviation = count > 1 ? std::sqrt(squares / (count - 1)) : unknown;
+        if (const double value = column->GetValue(row); std::isfinite(value))
+          values.push_back(value);
+      const bool spread = values.size() > 1;
+      const statistics::WindowError found = spread ? statistics::sampleError(values) : statistics::WindowError{};
+      const double error = spread ? found.deviation : unknown;
       const std::string name = column->GetName();
       const auto [unit, meaning, creator] = description(column);
       columns.describe(name + ".mean", unit, "mean of " + meaning);
       columns.describe(name + ".deviation", unit, "standard deviation of " + meaning);
       columns.describe(name + ".error", unit, "standard error of the mean of " + meaning);
-      columns.set(name + ".mean", count > 0 ? Json(mean) : Json(nullptr));
-      columns.set(name + ".deviation", jsonNumber(deviation));
-      columns.set(name + ".error", jsonNumber(deviation / std::sqrt(count)));
+      columns.describe(
+        name + ".half_width", unit, "half of the interval that holds the mean of " + meaning + " (95 %)");
+      columns.set(name + ".mean", spread ? Json(found.value) : values.empty() ? Json(nullptr) : Json(values.front()));
+      columns.set(name + ".deviation", jsonNumber(error * std::sqrt(static_cast<double>(values.size()))));
+      columns.set(name + ".error", jsonNumber(error));
+      columns.set(name + ".half_width", jsonNumber(spread ? (found.high - found.low) / 2 : unknown));
     }
   }
   return columns.table("lamella run");

@@ -143,16 +143,25 @@ private:
       Workspace::nameOf(option == "output" ? s.name : s.name + "_" + option, endingOf(s, *port));
   }
 
+  /// What [sample] names, in this sample of a sweep.
+  [[nodiscard]] std::string fileOf(const SceneStage& stage) const
+  {
+    if (!stage.file)
+      return "";
+    const auto swept = setting_.find(stage.file->path);
+    return (swept != setting_.end() ? swept->second : stage.file->value).get<std::string>();
+  }
+
   /// A packing that is read stays what it is.
-  static std::string endingOf(const SceneStage& stage, const Port& port)
+  [[nodiscard]] std::string endingOf(const SceneStage& stage, const Port& port) const
   {
     return isGrains(stage) ? ".vtp" : port.ending;
   }
-  static bool isGrains(const SceneStage& stage)
+  [[nodiscard]] bool isGrains(const SceneStage& stage) const
   {
-    return stage.command == "read" && std::filesystem::path(stage.file).extension() == ".vtp";
+    return stage.command == "read" && std::filesystem::path(fileOf(stage)).extension() == ".vtp";
   }
-  static std::string kindOf(const SceneStage& stage, const Port& port)
+  [[nodiscard]] std::string kindOf(const SceneStage& stage, const Port& port) const
   {
     return isGrains(stage) ? "grains" : port.kind;
   }
@@ -209,8 +218,9 @@ private:
       options.insert(options.end(), words.begin(), words.end());
     }
     planned.words = split(stage.words, ' ');
-    if (!stage.file.empty())
-      planned.words.push_back(stage.file);
+    planned.file = fileOf(stage);
+    if (!planned.file.empty())
+      planned.words.push_back(planned.file);
     for (const Port& input : stage.ports->takes)
     {
       const bool own = &input != &stage.ports->takes.front(); // `of` is for the first
@@ -378,8 +388,8 @@ private:
 std::vector<std::string> filesOf(const PlannedStage& stage, const CommandSet& commands)
 {
   std::vector<std::string> files;
-  if (!stage.stage->file.empty())
-    files.push_back(stage.stage->file);
+  if (!stage.file.empty())
+    files.push_back(stage.file);
   for (const CLI::Option* option : commands.find(stage.stage->words)->get_options())
   {
     if (!option->get_lnames().empty() && option->get_type_name().starts_with("FILE"))

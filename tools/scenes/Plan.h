@@ -24,6 +24,7 @@ struct PlannedEach
 struct PlannedStage
 {
   const SceneStage* stage = nullptr;
+  std::string file;                           ///< of the user; empty: none
   std::vector<std::string> words;             ///< "fracture", "memory:sample.vti", "--horizon=4", "--broken=memory:..."
   std::map<std::string, std::string> outputs; ///< names by option, of those that somebody wants
   std::vector<std::size_t> inputs;            ///< stages that it takes data from

@@ -7,6 +7,7 @@
 #include "scenes/Sharing.h"
 #include "scenes/StageCheckpoint.h"
 
+#include "commands/WindowReport.h"
 #include "files/JsonReport.h"
 #include "files/Record.h"
 #include "files/ResultFiles.h"
@@ -503,6 +504,21 @@ private:
     session_.print(text + wroteText(written));
   }
 
+  /// What samples of one setting say together of their material, and how many would halve that.
+  static std::string spreadText(
+    const std::string& name, double count, double mean, std::optional<double> half, double deviation)
+  {
+    if (!half || !(count > 1) || mean == 0)
+      return "";
+    statistics::WindowError error;
+    error.value = error.expected = mean;
+    error.low = mean - *half;
+    error.high = mean + *half;
+    error.deviation = deviation; // of one of them
+    error.quantile = *half / deviation * std::sqrt(count);
+    return windowText(name + " ", error, "", 1);
+  }
+
   /// The settings with mean and standard error of what the scene measures.
   std::string tableText()
   {
@@ -545,6 +561,14 @@ private:
                     : fmt::format("{:.6g}", *mean));
       }
       text += "\n";
+    }
+    if (settingsTable_->GetNumberOfRows() == 1)
+    {
+      std::string spread;
+      for (const SceneMeasure& measure : scene_.measures)
+        spread += spreadText(measure.name, number(0, "n").value_or(0), number(0, measure.name + ".mean").value_or(0),
+          number(0, measure.name + ".half_width"), number(0, measure.name + ".deviation").value_or(0));
+      text += spread.empty() ? "" : "  the mean of such samples is, with 95 % probability\n" + spread;
     }
     if (settingsTable_->GetNumberOfRows() > most)
       text += fmt::format("  … and {} more settings, in settings.csv\n", settingsTable_->GetNumberOfRows() - most);

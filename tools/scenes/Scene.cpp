@@ -255,7 +255,11 @@ private:
     }
     else
     {
-      stage.file = section.text(way);
+      const SceneKey& key = *section.find(way);
+      const Json list = key.value.is_array() ? key.value : Json::array({ key.value });
+      if (!std::ranges::all_of(list, [](const Json& name) { return name.is_string(); }))
+        sceneError(key.where, fmt::format("{} = {} is not a text", way, key.value.dump()), "write it in quotes");
+      stage.file = SceneOption{ way, section.name + "." + way, key.where, key.value };
     }
     readStage(stage, section, words, { way });
     scene_.stages.insert(scene_.stages.begin(), std::move(stage));

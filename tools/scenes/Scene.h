@@ -59,13 +59,13 @@ struct SceneOption
 /// A command that a scene runs.
 struct SceneStage
 {
-  std::string name;               ///< "sample", "fracture"
-  std::string command;            ///< "generate"
-  std::string words;              ///< "generate softwood"
-  std::string file;               ///< of the user: what [sample] names; else empty
-  std::string of;                 ///< stage that gives the input, perhaps ":output"; empty: the last that fits
-  std::string ofWhere;            ///< where that stands; the section where it does not
-  std::vector<std::string> write; ///< options of outputs that are written
+  std::string name;                ///< "sample", "fracture"
+  std::string command;             ///< "generate"
+  std::string words;               ///< "generate softwood"
+  std::optional<SceneOption> file; ///< of the user: what [sample] names, sweeps still in it; or none
+  std::string of;                  ///< stage that gives the input, perhaps ":output"; empty: the last that fits
+  std::string ofWhere;             ///< where that stands; the section where it does not
+  std::vector<std::string> write;  ///< options of outputs that are written
   std::vector<SceneOption> options;
   std::string where;
   const Ports* ports = nullptr;

@@ -149,6 +149,8 @@ Sweep::Sweep(const Scene& scene)
       {
         for (const auto& stage : stages)
         {
+          if (stage.file && stage.file->path == path)
+            look(*stage.file);
           const auto found = std::ranges::find(stage.options, path, &SceneOption::path);
           if (found != stage.options.end())
             look(*found);
