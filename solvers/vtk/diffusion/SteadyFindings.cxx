@@ -120,14 +120,10 @@ double SteadyFindings::inputError(const lbm::DiffusionAnswer& answer) const
   return std::sqrt(sum);
 }
 
-std::vector<std::pair<std::string, double>> SteadyFindings::errorParts(const lbm::DiffusionAnswer& answer) const
+ErrorParts SteadyFindings::errorParts(const lbm::DiffusionAnswer& answer) const
 {
-  std::vector<std::pair<std::string, double>> parts;
-  const auto add = [&](const char* name, double error)
-  {
-    if (std::isfinite(error))
-      parts.emplace_back(name, error);
-  };
+  ErrorParts parts;
+  const auto add = [&](const char* name, double error) { parts.add(name, error); };
   add("lattice and picture", answer.error.relative);
   add("window", answer.window ? answer.window->relative() : notFound);
   add("conductivities", inputError(answer));
@@ -136,11 +132,7 @@ std::vector<std::pair<std::string, double>> SteadyFindings::errorParts(const lbm
 
 double SteadyFindings::totalError(const lbm::DiffusionAnswer& answer) const
 {
-  const auto parts = errorParts(answer);
-  double sum = 0;
-  for (const auto& part : parts)
-    sum += part.second * part.second;
-  return parts.size() > 1 ? std::sqrt(sum) : notFound;
+  return errorParts(answer).total();
 }
 
 SteadyFindings SteadyFindings::along(int axis) const

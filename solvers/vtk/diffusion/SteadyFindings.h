@@ -1,5 +1,7 @@
 #pragma once
 
+#include "ErrorParts.h"
+
 #include "lbm/Bounds.h"
 #include "lbm/DiffusionStudy.h"
 #include "lbm/StudyChecks.h"
@@ -10,7 +12,6 @@
 #include <cstddef>
 #include <optional>
 #include <string>
-#include <utility>
 #include <vector>
 
 class vtkImageData;
@@ -63,7 +64,7 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   /// All of them, which are independent: the root of the sum of squares; NaN where none is told.
   [[nodiscard]] double inputError(const lbm::DiffusionAnswer& answer) const;
   /// What is known of the value's error, relative, by name: "lattice and picture", "window", "conductivities".
-  [[nodiscard]] std::vector<std::pair<std::string, double>> errorParts(const lbm::DiffusionAnswer& answer) const;
+  [[nodiscard]] ErrorParts errorParts(const lbm::DiffusionAnswer& answer) const;
   /// The root of the sum of their squares, which are independent; NaN where there are no two.
   [[nodiscard]] double totalError(const lbm::DiffusionAnswer& answer) const;
   /// Those of one direction alone.
