@@ -83,9 +83,9 @@ namespace
 /// By direction and phase: ∂K/∂k, and what the phases' uncertainty leaves, relative; null where that was not asked for.
 void addSensitivity(Json& json, const SteadyFindings& found)
 {
-  Json& sensitivity = json["sensitivity"] = nullptr;
-  Json& inputs = json["input_errors"] = nullptr;
-  Json& totals = json["total_errors"] = nullptr;
+  Json sensitivity; // filled by itself: what is added to an ordered object moves the others
+  Json inputs;
+  Json totals;
   for (const auto& answer : found.answers)
   {
     const char* const axis = axisNames[answer.axis];
@@ -101,6 +101,9 @@ void addSensitivity(Json& json, const SteadyFindings& found)
     if (found.windows || !found.uncertainty.empty() || !found.acrossUncertainty.empty())
       totals[axis] = jsonNumber(found.totalError(answer));
   }
+  json["sensitivity"] = std::move(sensitivity);
+  json["input_errors"] = std::move(inputs);
+  json["total_errors"] = std::move(totals);
 }
 
 /// How far the picture speaks for its material, by direction; null where it was not asked for.

@@ -142,10 +142,10 @@ struct Changes
 
 void addSensitivity(Json& json, const Fields& f)
 {
-  Json& sensitivity = json["sensitivity"] = nullptr;
-  Json& relative = json["relative_sensitivity"] = nullptr;
-  Json& inputs = json["input_errors"] = nullptr;
-  Json& totals = json["total_errors"] = nullptr;
+  Json sensitivity;
+  Json relative;
+  Json inputs;
+  Json totals;
   const Changes changes(f);
   const auto add = [&](const std::string& name, double value, const std::vector<double>& by)
   {
@@ -169,6 +169,10 @@ void addSensitivity(Json& json, const Fields& f)
   }
   if (const std::vector<double> energy = fieldNumbers(f.data, "load_energy_sensitivity"); !energy.empty())
     add("energy", f("load_energy"), energy);
+  json["sensitivity"] = std::move(sensitivity);
+  json["relative_sensitivity"] = std::move(relative);
+  json["input_errors"] = std::move(inputs);
+  json["total_errors"] = std::move(totals);
 }
 
 std::string sensitivityText(const Fields& f)

@@ -310,7 +310,7 @@ void check(const Setting& setting, const Setting* uncertainty, const std::string
   {
     const auto [text, half] = parted(uncertainty, whole);
     if (text != whole)
-      (void)number(*uncertainty, 1, half, whole);
+      (void)number(setting, 1, half, whole);
     const std::size_t sign = byPhase ? text.find('=') : std::string::npos;
     const std::vector<SettingValue> values =
       valuesOf(setting, sign == std::string::npos ? text : text.substr(sign + 1));
@@ -484,7 +484,7 @@ void SettingOptions::give(vtkObject* object) const
       }
       (sign == std::string::npos ? setting : byPhase)->set(object, values);
       if (text != whole)
-        uncertainty->set(object, { values[0], number(*uncertainty, 1, half, whole) });
+        uncertainty->set(object, { values[0], number(*setting, 1, half, whole) });
     }
   }
   for (const auto& [word, option] : options_)
