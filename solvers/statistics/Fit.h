@@ -68,7 +68,9 @@ struct FitResult
 
 /// Parameters that fit measurements best, by least squares: Gauss–Newton with Levenberg's damping in the parameters'
 /// logarithms, on the model's derivatives, or where it tells none on differences that Broyden's updates keep (Nocedal &
-/// Wright, Numerical Optimization, 2006, chapters 10 and 11), made anew at the end.
+/// Wright, Numerical Optimization, 2006, chapters 10 and 11), made anew at the end. With derivatives a step that went
+/// up is followed by one more, and both are taken back where that is no better (a watchdog: Chamberlain, Powell,
+/// Lemarechal & Pedersen, Math. Program. Study 16 (1982) 1).
 ///
 /// Intervals are those of the model made linear there. Where `model` throws a ParameterError a step was too long.
 ///
