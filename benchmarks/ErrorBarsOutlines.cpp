@@ -49,7 +49,7 @@ struct Choice
   std::uint64_t seed = 1;    ///< the first of everything random
   int plates = 20;           ///< of each array and fraction
   std::uint64_t tissues = 2; ///< seeds of each kind
-  double doubt = micrograph::segmentDoubt;
+  double doubt = 0;          ///< of where a scan's walls begin [pixels]; 0: the segmentation's own
 };
 
 Choice choiceOf(const Keys& keys)
@@ -408,7 +408,7 @@ void scans(Judge& judge, const Choice& choice)
           look.seed = seed;
           const auto parts = micrograph::segment(generators::makeLook(image, n, look));
           picture(judge, fmt::format("scans: pixels of {:g} µm", 1e6 * pixel), hard ? "hardwood" : "softwood",
-            parts.image, {}, truths, choice.doubt);
+            parts.image, {}, truths, choice.doubt > 0 ? choice.doubt : parts.report.surfaceDoubt);
         }
       }
 }

@@ -190,7 +190,7 @@ private:
 
   /// Solves a picture along one axis.
   SteadyResult solve(const PhaseImage& refined, const Part& part, int refinement, DiffusionAnswer& answer,
-    RefinementStep& step, bool fields, bool derivatives = false)
+    RefinementStep& step, bool fields, bool whole = false)
   {
     const Communicator comm(handleOf(refined.lattice));
     SteadyDiffusion solver = solverOf(refined, part, refinement, fields);
@@ -202,8 +202,16 @@ private:
     step.iterations += result.iterations;
     step.seconds += comm.max(result.setupSeconds + result.solveSeconds);
     step.value = valueOf(result, answer.axis);
-    if (derivatives)
+    if (whole && options_.derivatives)
       answer.derivatives = solver.derivatives();
+    if (whole && options_.surfaces)
+    {
+      answer.surfaces = solver.surfaceDerivatives();
+      for (double& d : answer.surfaces.shift)
+        d *= refinement;
+      for (double& a : answer.surfaces.area)
+        a *= refinement;
+    }
     if (fields)
       sink_(solver, answer, refined.lattice, decompose(refined.lattice, handleOf(refined.lattice)));
     return result;
@@ -256,7 +264,7 @@ private:
     {
       RefinementStep step;
       a.refinement = refinement;
-      a.result = solve(refined, {}, refinement, a, step, final && sink_, options_.derivatives);
+      a.result = solve(refined, {}, refinement, a, step, final && sink_, true);
       a.steps.push_back(step);
     }
   }

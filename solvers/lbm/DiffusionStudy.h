@@ -57,6 +57,7 @@ struct DiffusionAnswer
   int refinement = 1;  ///< of that solve
   ErrorEstimate error;
   ConductivityDerivatives derivatives; ///< where they were asked for
+  SurfaceDerivatives surfaces;         ///< likewise; per pixel of the picture, refined or not
   /// How far the picture speaks for its material; none where it was not asked for, or the picture is too small to be
   /// cut.
   std::optional<statistics::WindowError> window;
@@ -73,6 +74,7 @@ struct StudyOptions
   bool estimateError = true; ///< of the lattice, from pixels split in two, and of the picture, from its subsamples
   /// Of the value by each conductivity (SteadyDiffusion::derivatives): a pass over the field.
   bool derivatives = false;
+  bool surfaces = false; ///< by where surfaces lie (SteadyDiffusion::surfaceDerivatives): likewise
   /// Also solves the windows that the picture is cut into, halves and thirds of it along each axis, with insulated
   /// sides: how far its value may be from that of the material that it was cut out of.
   bool windowError = false;
@@ -101,7 +103,8 @@ using FieldSink = std::function<void(
 /// The error is that of the value against the material's (PictureError): the picture's subsamples are solved, which
 /// takes about as long as the picture itself, and its pixels split in two for the part that is the lattice's. Where
 /// nothing conducts in a subsample its value is 0. What this does not see: features below a pixel of which no pixel
-/// tells, a segmentation that errs, and how far the picture speaks for more material than it shows.
+/// tells, a segmentation that errs (`surfaces` tells what that does), and how far the picture speaks for more material
+/// than it shows.
 ///
 /// @param image        the whole picture, the same on every rank
 /// @param diffusivity  one a phase id

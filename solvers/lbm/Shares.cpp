@@ -265,6 +265,8 @@ private:
     SteadyResult result = solver.solve(answer.axis);
     if (every == 1 && options_.derivatives && &image == own_)
       answer.derivatives = derivatives(solver, share, rule);
+    if (every == 1 && options_.surfaces && &image == own_)
+      answer.surfaces = surfaces(solver, image, share, rule);
     RefinementStep step;
     step.value = valueOf(result, answer.axis);
     step.nodes = image.lattice.count();
@@ -304,6 +306,70 @@ private:
     }
     return d;
   }
+
+  // The first phase grows by as much of every node that holds some of both as makes a shift of the surface by one
+  // spacing, whose area is the sum of the shares' gradients; by the links' own change.
+  [[nodiscard]] SurfaceDerivatives surfaces(
+    const SteadyDiffusion& solver, const PhaseImage& image, std::span<const double> share, AcrossSurface rule) const
+  {
+    const auto mixed = [&](std::size_t id) { return share[id] > 0 && share[id] < 1; };
+    const auto nodes = static_cast<double>(image.phase.size());
+    double partly = 0;
+    for (const std::uint8_t id : image.phase)
+      partly += mixed(id) ? 1 : 0;
+    SurfaceDerivatives d{ std::vector<double>(4, 0.0), std::vector<double>(4, 0.0) };
+    d.area[1] = surfaceArea(image, share);
+    if (!(partly > 0))
+      return d;
+    const double part = d.area[1] * nodes / partly; // of a node's share, per spacing
+    const auto linksAt = [&](double change)
+    {
+      std::vector<double> changed(share.begin(), share.end());
+      for (std::size_t id = 0; id < share.size(); ++id)
+        if (mixed(id))
+          changed[id] = std::clamp(share[id] - change, 0.0, 1.0);
+      return shareLinks(changed, first_, second_, rule).link;
+    };
+    const std::vector<double> energy = solver.pairDerivatives();
+    const std::vector<double> more = linksAt(shareStep);
+    const std::vector<double> less = linksAt(-shareStep);
+    for (std::size_t a = 0; a < share.size(); ++a)
+      for (std::size_t b = a; b < share.size(); ++b)
+        if (const std::size_t i = a * share.size() + b; energy[i] > 0 && more[i] + less[i] > 0)
+          d.shift[1] += energy[i] * (more[i] - less[i]) / (shareStep * (more[i] + less[i])) * part;
+    return d;
+  }
+
+  // Per node: the mean length of the shares' gradient.
+  [[nodiscard]] static double surfaceArea(const PhaseImage& image, std::span<const double> share)
+  {
+    const Lattice& lattice = image.lattice;
+    const auto& size = lattice.size;
+    double sum = 0;
+    for (std::int64_t z = 0; z < size[2]; ++z)
+      for (std::int64_t y = 0; y < size[1]; ++y)
+        for (std::int64_t x = 0; x < size[0]; ++x)
+        {
+          const std::array<std::int64_t, 3> at{ x, y, z };
+          double square = 0;
+          for (std::size_t a = 0; a < 3; ++a)
+          {
+            auto low = at;
+            auto high = at;
+            low[a] = std::max<std::int64_t>(at[a] - 1, 0);
+            high[a] = std::min(at[a] + 1, size[a] - 1);
+            if (high[a] == low[a])
+              continue;
+            const auto of = [&](const auto& p) { return share[image.phase[lattice.index(p[0], p[1], p[2])]]; };
+            const double slope = (of(high) - of(low)) / (static_cast<double>(high[a] - low[a]) * lattice.aspect[a]);
+            square += slope * slope;
+          }
+          sum += std::sqrt(square);
+        }
+    return sum / static_cast<double>(lattice.count());
+  }
+
+  static constexpr double shareStep = 1e-3;
 
   double first_;
   double second_;

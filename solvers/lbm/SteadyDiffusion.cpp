@@ -9,6 +9,7 @@
 #include "lbm/Connectivity.h"
 #include "lbm/DirectedLinks.h"
 #include "lbm/MultigridSystem.h"
+#include "lbm/SurfaceDerivatives.h"
 #include "lbm/elements/ElementSystem.h"
 #include "lbm/lean/LeanSystem.h"
 
@@ -152,6 +153,7 @@ struct SteadyDiffusion::Impl
   std::int64_t conducting = 0;
   std::unique_ptr<Backend> backend;
   double effective = 0; ///< of the last solve, along its axis
+  int axis = 0;
 
   Impl(const Lattice& box, MPI_Comm handle)
     : lattice(box)
@@ -460,6 +462,7 @@ SteadyResult SteadyDiffusion::solve(int axis)
     }
   }
   m.options.maxIterations = allowed;
+  m.axis = axis;
   m.effective = result.effective[static_cast<std::size_t>(axis)];
   result.setupSeconds = setup;
   result.solveSeconds = secondsSince(start) - setup;
@@ -558,6 +561,13 @@ ConductivityDerivatives SteadyDiffusion::derivatives() const
     if (k[id] == 0)
       d.along[id] = none;
   return d;
+}
+
+SurfaceDerivatives SteadyDiffusion::surfaceDerivatives() const
+{
+  if (!impl_->backend)
+    throw ParameterError("there is no field to tell derivatives by", "solve first");
+  return lbm::surfaceDerivatives(impl_->problem(impl_->axis), *impl_->backend);
 }
 
 Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts, int ranks) noexcept

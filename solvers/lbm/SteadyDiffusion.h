@@ -89,6 +89,13 @@ struct ConductivityDerivatives
   std::vector<double> across; ///< of phases that conduct along and across an axis; empty where none does
 };
 
+/// How it changes where a surface between two phases is moved: by pair of ids, [a * ids + b] with a < b.
+struct SurfaceDerivatives
+{
+  std::vector<double> shift; ///< ∂K/∂δ, a growing into b; per spacing along x
+  std::vector<double> area;  ///< of the surface, per spacing along x: squares of it over cubes (lengths over squares)
+};
+
 using lamella::Block;
 using lamella::decompose;
 
@@ -164,6 +171,10 @@ public:
   [[nodiscard]] ConductivityDerivatives derivatives() const;
   /// The same of links that were given by pairs of ids, by the logarithm of each: [a * ids + b], a ≤ b.
   [[nodiscard]] std::vector<double> pairDerivatives() const;
+  /// What moving the surfaces between phases does, from the field alone (SurfaceDerivatives.h): 0.73 to 1.01 of what it
+  /// does. 16 bytes a node while it runs. Collective.
+  /// @throws ParameterError for links that were given, and for conductivities along and across
+  [[nodiscard]] SurfaceDerivatives surfaceDerivatives() const;
 
 private:
   struct Impl;

@@ -22,10 +22,6 @@ struct CoarserOutlines
 [[nodiscard]] std::vector<CoarserOutlines> coarserOutlines(
   const PhaseImage& image, std::uint8_t lumen, std::span<const float> level = {}, const ExtractOptions& options = {});
 
-/// How far the outlines of a segmented scan may lie from where the walls begin [pixels]: with it the error bars of
-/// generated scans hold (docs/benchmarks/contours.md).
-constexpr double segmentDoubt = 0.1;
-
 /// Outlines with every lumen's boundary moved into the wall by a distance, for what a doubt about where walls begin
 /// does. Points move along the mean of their segments' normals, ends of open chains stay on the border; the distance is
 /// to be small beside segments and walls, nothing is checked.

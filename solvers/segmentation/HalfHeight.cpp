@@ -156,11 +156,17 @@ double levelOf(const Own& own, const MeanEdge& mean)
 
 } // namespace
 
-double toHalfHeight(cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bright, double reach)
+double edgeBlur(const EdgeDistance& edge, const cv::Mat& bright, double reach)
+{
+  const std::optional<MeanEdge> mean = meanEdge(edge, bright, reach);
+  return mean ? mean->blur : 0;
+}
+
+HalfHeight toHalfHeight(cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bright, double reach)
 {
   const std::optional<MeanEdge> mean = meanEdge(edge, bright, reach);
   if (!mean)
-    return 0;
+    return {};
   const std::vector<Own> all = ownGreys(edge, bright, *mean);
   std::vector<double> level(all.size());
   std::transform(all.begin(), all.end(), level.begin(), [&](const Own& own) { return levelOf(own, *mean); });
@@ -182,7 +188,7 @@ double toHalfHeight(cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bri
   double perimeter = 0;
   for (const Own& own : all)
     perimeter += own.edgeNodes;
-  return (cv::countNonZero(lumen) - cv::countNonZero(before)) / std::max(1.0, perimeter);
+  return { (cv::countNonZero(lumen) - cv::countNonZero(before)) / std::max(1.0, perimeter), mean->blur };
 }
 
 } // namespace lamella::micrograph

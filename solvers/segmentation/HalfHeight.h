@@ -7,6 +7,13 @@
 namespace lamella::micrograph
 {
 
+/// What toHalfHeight() found.
+struct HalfHeight
+{
+  double moved = 0; ///< [pixels]
+  double blur = 0;  ///< [pixels]
+};
+
 /// Moves the outline of every lumen to half the height of its own edge, between the lumen's grey and that of its own
 /// wall just beyond the edge. Walls are stained differently from cell to cell, so that one threshold for all draws
 /// lumens with pale walls too large. And Otsu's threshold is the middle between the means of two classes: where walls
@@ -18,7 +25,11 @@ namespace lamella::micrograph
 /// lumen; the level of a lumen of perimeter P is lowered for that by s/(2√(2π)) · 2π/P of its contrast.
 /// @param bright CV_32F, lumens brighter than walls
 /// @param reach how far beside the outlines to look [pixels]
-/// @return how far the outlines moved outwards in the mean [pixels]; 0 where there is too little to tell
-double toHalfHeight(cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bright, double reach);
+/// @return how far the outlines moved outwards in the mean [pixels], and s; zeros where there is too little to tell
+HalfHeight toHalfHeight(cv::Mat& lumen, const EdgeDistance& edge, const cv::Mat& bright, double reach);
+
+/// s alone: how far edges are blurred, what the picture was smoothed by included [pixels]; 0 where there is too little
+/// to tell.
+double edgeBlur(const EdgeDistance& edge, const cv::Mat& bright, double reach);
 
 } // namespace lamella::micrograph

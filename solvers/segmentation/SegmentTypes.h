@@ -50,6 +50,13 @@ enum class Doubt
   Share       ///< hardly any lumen, or hardly any wall
 };
 
+/// How far a surface may lie from where it was put [pixels]: as far as it moves where the grey that parts two phases is
+/// wrong by 5 % of their contrast, at an edge that a Gaussian blurs, 0.05 √(2π) s; and as far as that blur moves one
+/// that is curved, s²/2r, of which what is corrected is not known to better than itself. The root of the squares.
+/// @param blur   s of the edge [pixels]; 0 where it is not known, which counts as 1.5
+/// @param radius r of lumens [pixels]
+[[nodiscard]] double surfaceDoubt(double blur, double radius);
+
 /// "side", "greys", "filled", "resolution", "gaps", "contrast", "share".
 [[nodiscard]] std::string name(Doubt doubt);
 

@@ -161,6 +161,25 @@ void findRims(const cv::Mat& lumen, const EdgeDistance& edge, const Picture& pic
   }
 }
 
+/// Of lumens, twice their area over their perimeter [pixels]; steps of pixels are 4/π as long as a line in any
+/// direction.
+double radiusOf(const cv::Mat& lumen)
+{
+  double area = 0;
+  double steps = 0;
+  for (int row = 0; row < lumen.rows; ++row)
+  {
+    const auto* const here = lumen.ptr<std::uint8_t>(row);
+    const auto* const above = row > 0 ? lumen.ptr<std::uint8_t>(row - 1) : here;
+    for (int x = 0; x < lumen.cols; ++x)
+    {
+      area += here[x] != 0 ? 1 : 0;
+      steps += ((here[x] != 0) != (above[x] != 0) ? 1 : 0) + (x > 0 && (here[x] != 0) != (here[x - 1] != 0) ? 1 : 0);
+    }
+  }
+  return 2 * area / std::max(1.0, steps * std::numbers::pi / 4);
+}
+
 /// Rims and rays: what takes a look at the neighbourhood of every lumen.
 void refine(cv::Mat& lumen, const Thresholded& from, const Picture& picture, const Graphics& graphics, double wallRun,
   const SegmentOptions& options, Segmentation& result)
@@ -169,6 +188,7 @@ void refine(cv::Mat& lumen, const Thresholded& from, const Picture& picture, con
   const bool rays = options.raySlenderness > 0 && report.brightLumen;
   const bool rims = !options.rim || *options.rim > 0;
   const auto area = static_cast<std::size_t>(cv::countNonZero(lumen));
+  report.surfaceDoubt = surfaceDoubt(0, radiusOf(lumen));
   if ((!rays && !rims) || area == 0 || area == lumen.total())
     return;
   const EdgeDistance edge = edgeDistance(lumen, from.bright, from.level);
@@ -177,7 +197,14 @@ void refine(cv::Mat& lumen, const Thresholded& from, const Picture& picture, con
   else
     findRims(lumen, edge, picture, graphics, wallRun, report);
   if (report.rim == 0 && !options.rim && !options.threshold)
-    report.halfHeight = toHalfHeight(lumen, edge, from.bright, reachOf(wallRun));
+  {
+    const HalfHeight found = toHalfHeight(lumen, edge, from.bright, reachOf(wallRun));
+    report.halfHeight = found.moved;
+    report.edgeBlur = found.blur;
+  }
+  else
+    report.edgeBlur = edgeBlur(edge, from.bright, reachOf(wallRun));
+  report.surfaceDoubt = surfaceDoubt(report.edgeBlur, radiusOf(lumen));
   if (report.rim > 0)
     moveOutwards(lumen, edge, report.rim);
   if (report.neckNodes > 0 || report.rim > 0 || report.halfHeight != 0)
@@ -302,6 +329,13 @@ void markGaps(const Evidence& evidence, const cv::Rect& part, Segmentation& resu
 
 } // namespace
 
+double surfaceDoubt(double blur, double radius)
+{
+  constexpr double level = 0.05;
+  const double s = blur > 0 ? blur : 1.5;
+  return std::hypot(level * std::sqrt(2 * std::numbers::pi) * s, s * s / (2 * std::max(radius, 1.0)));
+}
+
 std::vector<std::string> SegmentReport::doubtNames() const
 {
   std::vector<std::string> names;
@@ -334,6 +368,9 @@ std::vector<std::string> SegmentReport::lines() const
             rim, 100 * rimDepth, rimChannel)
         : fmt::format("rims: outlines moved outwards by {:.2f} pixels, as asked", rim));
   }
+  if (surfaceDoubt > 0)
+    text.push_back(fmt::format("edges: {}; outlines within {:.2f} pixels, for greys within 5 % of the contrast",
+      edgeBlur > 0 ? fmt::format("blurred over {:.2f} pixels", edgeBlur) : "too few to tell their blur", surfaceDoubt));
   if (rays > 0)
     text.push_back(fmt::format("{}: {} gaps taken for wall, {} pixels", cells ? "rays" : "slender", rays, rayNodes));
   if (graphicsShare > 0)

@@ -62,10 +62,12 @@ struct SegmentReport
   double opening = 0;             ///< [pixels]
   std::int64_t neckNodes = 0;     ///< that the opening took from the lumens
   double rim = 0;                 ///< how far the outlines moved outwards [pixels]; 0: no rim
-  double rimDepth = 0;    ///< how much darker than the wall, over the contrast; 0: no rim, or its width was given
-  std::string rimChannel; ///< where the rim is deepest
-  double halfHeight = 0;  ///< where no rim is: how far outlines moved outwards to half their height, mean [pixels]
-  std::int64_t rays = 0;  ///< gaps in rays, taken for wall
+  double rimDepth = 0;     ///< how much darker than the wall, over the contrast; 0: no rim, or its width was given
+  std::string rimChannel;  ///< where the rim is deepest
+  double halfHeight = 0;   ///< where no rim is: how far outlines moved outwards to half their height, mean [pixels]
+  double edgeBlur = 0;     ///< standard deviation of the Gaussian that blurs edges [pixels]; 0: too little to tell
+  double surfaceDoubt = 0; ///< how far outlines may lie from where walls begin (SegmentTypes.h) [pixels]
+  std::int64_t rays = 0;   ///< gaps in rays, taken for wall
   std::int64_t rayNodes = 0;
   double graphicsShare = 0;  ///< of the picture, painted over
   bool vesselsFound = false; ///< the lumens are of two classes

@@ -41,6 +41,7 @@ struct VolumeReport
   std::vector<std::string> phases; ///< names by id
   std::vector<double> shares;      ///< by id
   std::vector<double> shareError;  ///< by id: how much the share changes where levels move by 5 % of the contrast
+  double surfaceDoubt = 0;         ///< how far surfaces move where levels do [voxels], the largest of the phases
   std::vector<double> thickness;   ///< by id: how many voxels thick it is (VolumePieces.h)
   std::int64_t smallest = 0;       ///< pieces below this size went
   std::int64_t specks = 0;         ///< how many went

@@ -294,6 +294,15 @@ class Walls(Case):
         flux = self.works("flux-map", "f.vti", "-o", "map.vti", "--json").json()
         self.assertAlmostEqual(flux["effective"]["x"], small["effective"]["x"], delta=1e-6)
 
+    def test_a_segmentation_error_that_nothing_tells(self):
+        words = self.lattice()[:1]
+        given = ["--conductivity", "lumen=0.026,wall=0.41"]
+        self.fails(2, "nothing tells how far surfaces may lie", "in pixels", "diffusion", *words, *given, "--segmentation-error")
+        answer = self.works("diffusion", *words, *given, "--surface-doubt", "0.3", "--json").json()
+        self.assertLess(answer["surface_sensitivity"]["x"]["lumen:wall"], 0)
+        self.fails(2, "differ along and across", "leave it out", "diffusion", *words, "--conductivity", "lumen=0.023,wall=1:0.5",
+                   "--surface-doubt", "0.3")
+
     def test_what_conductivities_leave(self):
         words = self.lattice()[:1]
         given = ["--conductivity", "lumen=0.026", "--conductivity", "wall=0.41±0.02"]
@@ -307,7 +316,7 @@ class Walls(Case):
         more = self.works("diffusion", *words, "--conductivity", "lumen=0.026,wall=0.4141", "--direction", "x", "--json").json()
         self.assertAlmostEqual(more["effective"]["x"] - value, 0.0041 * by["wall"], delta=0.01 * 0.0041 * by["wall"])
         text = self.works("diffusion", *words, *given).out
-        for line in ("1 % more of a conductivity changes the value by", "the conductivities' uncertainty leaves", "in all, of what was asked for", "most of it: "):
+        for line in ("1 % more of a conductivity changes the value by", "the conductivities' uncertainty leaves", "in all, of what was asked for", "hal"):
             self.assertIn(line, text)
         plain = self.works("diffusion", *words, "--conductivity", "lumen=0.026,wall=0.41", "--json").json()
         self.assertEqual((plain["sensitivity"], plain["input_errors"], plain["total_errors"]), (None, None, None))
@@ -442,6 +451,23 @@ class Segments(Case):
         self.assertAlmostEqual(shares["lumen"], math.pi * 13 * 13 / 1600, delta=0.03)
         self.assertEqual(answer["segmentation"]["lumens"], 12)
         self.assertEqual((answer["segmentation"]["cells"], answer["segmentation"]["doubts"]), (True, []))
+        self.assertIsNone(answer["segmentation_errors"])
+        # Steps without blur.
+        self.assertLess(answer["segmentation"]["edge_blur"], 1.2)
+        words = ("diffusion", "scan.png", "--segment", "--lumen", "bright", *CONDUCTIVITIES, "--direction", "x")
+        doubtful = self.works(*words, "--segmentation-error", "--json").json()
+        by, doubt = doubtful["surface_sensitivity"]["x"]["lumen:wall"], doubtful["surface_doubt"]
+        self.assertEqual(doubt, doubtful["segmentation"]["surface_doubt"])
+        self.assertAlmostEqual(doubtful["segmentation_errors"]["x"], doubt * abs(by) / doubtful["effective"]["x"], delta=1e-12)
+        self.assertGreater(doubtful["total_errors"]["x"], doubtful["estimated_errors"]["x"])
+        # What is said counts, as on any picture; the surface itself is what it is, and the same on ranks.
+        twice = self.works(*words, "--surface-doubt", 2 * doubt, "--no-error-estimate", "--json", ranks=2).json()
+        self.assertAlmostEqual(twice["segmentation_errors"]["x"], 2 * doubtful["segmentation_errors"]["x"], delta=1e-6)
+        self.assertIn("surfaces within", self.works(*words, "--segmentation-error").out)
+        # A file of the phases keeps it.
+        self.works(*words, "--no-error-estimate", "-o", "phases.vti")
+        again = self.works("diffusion", "phases.vti", *CONDUCTIVITIES, "--direction", "x", "--segmentation-error", "--json").json()
+        self.assertAlmostEqual(again["surface_doubt"], doubt, delta=1e-12)
 
     def test_what_may_be_wrong_is_told(self):
         # Void, matrix and fibres, of which two phases can hold two.

@@ -66,7 +66,7 @@ class Greys(Volume):
         self.assertAlmostEqual(wrong[0], 0.0062, delta=0.001)
         self.assertLess(wrong[1], 0.002)
         self.assertIn("parted at", plain.segmentation[0])
-        self.assertEqual(len(found.segmentation), 5)
+        self.assertEqual(len(found.segmentation), 6)
         self.assertEqual(lamella.read_picture(path, segment=True).names, ["void", "solid"])
         bright = lamella.read_picture(path, segment=True, lumen="bright")
         self.assertGreater(bright.fractions["void"], 0.1)

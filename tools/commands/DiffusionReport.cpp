@@ -58,7 +58,7 @@ Json jsonOf(const micrograph::VolumeReport& found)
     { "separability_before", found.separabilityBefore }, { "noise_left", found.noiseLeft }, { "levels", found.levels },
     { "means", found.means }, { "separability", found.separability }, { "valley", found.valley },
     { "smallest", found.smallest }, { "specks", found.specks }, { "speck_voxels", found.speckVoxels },
-    { "shell_voxels", found.shellVoxels } };
+    { "shell_voxels", found.shellVoxels }, { "surface_doubt", found.surfaceDoubt } };
   json["phases"] = Json::array();
   for (std::size_t id = 0; id < found.phases.size(); ++id)
   {
@@ -80,12 +80,15 @@ std::uint64_t peakMemoryBytes()
 namespace
 {
 
-/// By direction and phase: ∂K/∂k, and what the phases' uncertainty leaves, relative; null where that was not asked for.
+/// By direction and phase: ∂K/∂k, and what the phases' uncertainty leaves, relative; by direction and pair of phases
+/// how the value changes where the first grows into the second by a pixel, and what the doubt about surfaces leaves.
+/// null where that was not asked for.
 void addSensitivity(Json& json, const SteadyFindings& found)
 {
-  Json sensitivity; // filled by itself: what is added to an ordered object moves the others
-  Json inputs;
-  Json totals;
+  for (const char* const name :
+    { "sensitivity", "input_errors", "surface_sensitivity", "segmentation_errors", "total_errors" })
+    json[name] = nullptr;
+  json["surface_doubt"] = jsonNumber(found.surfaceDoubt);
   for (const auto& answer : found.answers)
   {
     const char* const axis = axisNames[answer.axis];
@@ -94,16 +97,23 @@ void addSensitivity(Json& json, const SteadyFindings& found)
       const auto& by = other ? answer.derivatives.across : answer.derivatives.along;
       for (std::size_t id = 0; id < by.size(); ++id)
         if (found.fractions[id] > 0 && (!other || std::isfinite(by[id])))
-          sensitivity[axis][found.phases[id] + (other ? ":across" : "")] = jsonNumber(by[id]);
+          json["sensitivity"][axis][found.phases[id] + (other ? ":across" : "")] = jsonNumber(by[id]);
     }
     if (const double error = found.inputError(answer); !std::isnan(error))
-      inputs[axis] = jsonNumber(error);
-    if (found.windows || !found.uncertainty.empty() || !found.acrossUncertainty.empty())
-      totals[axis] = jsonNumber(found.totalError(answer));
+      json["input_errors"][axis] = jsonNumber(error);
+    if (const double error = found.segmentationError(answer); !std::isnan(error))
+    {
+      json["segmentation_errors"][axis] = jsonNumber(error);
+      const std::size_t ids = found.conductivity.size();
+      for (std::size_t a = 0; a < ids; ++a)
+        for (std::size_t b = a + 1; b < ids; ++b)
+          if (const std::size_t pair = a * ids + b; answer.surfaces.area[pair] > 0)
+            json["surface_sensitivity"][axis][found.phases[a] + ":" + found.phases[b]] =
+              jsonNumber(answer.surfaces.shift[pair]);
+    }
+    if (found.tellsParts())
+      json["total_errors"][axis] = jsonNumber(found.totalError(answer));
   }
-  json["sensitivity"] = std::move(sensitivity);
-  json["input_errors"] = std::move(inputs);
-  json["total_errors"] = std::move(totals);
 }
 
 /// How far the picture speaks for its material, by direction; null where it was not asked for.
@@ -359,16 +369,28 @@ std::string sensitivitiesText(const DiffusionReport& report)
   return text.empty() ? text : "  1 % more of a conductivity changes the value by\n" + text;
 }
 
-/// The whole error of each value, where more than that of lattice and picture was asked for: its parts, and the
-/// largest.
+/// By direction: what moving surfaces does to the value, and what the doubt about them leaves.
+std::string surfacesText(const DiffusionReport& report)
+{
+  const SteadyFindings& found = report.found;
+  if (std::isnan(found.surfaceDoubt))
+    return "";
+  std::string text = fmt::format(
+    "  surfaces within {:.2g} pixels of where the picture has them change the value by\n", found.surfaceDoubt);
+  for (const auto& answer : found.answers)
+    text += fmt::format("    {}  {}\n", axisNames[answer.axis], percent(found.segmentationError(answer)));
+  return text;
+}
+
+/// The whole error of each value, where more than that of lattice and picture was asked for.
 std::string totalsText(const DiffusionReport& report)
 {
   const SteadyFindings& found = report.found;
-  if (!found.windows && found.uncertainty.empty() && found.acrossUncertainty.empty())
+  if (!found.tellsParts())
     return "";
   std::string text;
   for (const auto& answer : found.answers)
-    text += totalText(axisNames[answer.axis], 1, 1, "", own(answer), found.errorParts(answer)); // which are relative
+    text += totalText({ axisNames[answer.axis], 1, own(answer), "" }, found.errorParts(answer), found.surfaceDoubt);
   return text.empty() ? text : totalHeading + text;
 }
 
@@ -429,6 +451,7 @@ std::string toTable(const DiffusionReport& report)
         report.found.relative(answer), 1 / report.found.relative(answer), report.found.tortuosityFactor(answer));
   }
   text += report.found.rounding ? "" : sensitivitiesText(report);
+  text += surfacesText(report);
   text += totalsText(report);
   text +=
     fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",

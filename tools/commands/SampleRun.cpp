@@ -29,6 +29,8 @@ vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine, const std::vec
     carryAlong(image, sample.file, sample.window, refine, arrays);
   }
   setFieldText(image, "pixel_size_source", sample.pixelSizeSource);
+  if (sample.surfaceDoubt)
+    setFieldNumbers(image, "surface_doubt", std::array{ *sample.surfaceDoubt * refine });
   setProvenance(image, sample.provenance);
   return image;
 }

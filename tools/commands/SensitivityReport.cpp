@@ -41,21 +41,41 @@ std::string sensitivityText(const Sensitivity& one, int width, const char* of)
       parts.size() > 1 ? " (" + shares + ")" : "");
 }
 
-std::string totalText(
-  const std::string& name, int width, double value, const std::string& unit, double factor, const ErrorParts& parts)
+namespace
 {
-  const double total = parts.total();
+
+/// How the total of a value's error comes down to half.
+std::string halvingText(std::span<const statistics::ErrorPart> parts, double surfaceDoubt)
+{
+  const auto half = statistics::halving(parts);
+  if (!half)
+  {
+    std::vector<statistics::ErrorPart> largest(parts.begin(), parts.end());
+    std::ranges::sort(largest, std::greater(), &statistics::ErrorPart::relative);
+    return fmt::format("half of it takes less of {} and of {}", largest[0].name, largest[1].name);
+  }
+  const std::string& name = parts[half->part].name;
+  if (name == "window")
+    return fmt::format("{:.0f} such samples halve it", std::ceil(1 / (half->factor * half->factor)));
+  if (name == "segmentation")
+    return fmt::format("surfaces within {:.2g} pixels halve it", half->factor * surfaceDoubt);
+  if (name == "lattice and picture")
+    return fmt::format("pixels that err {:.1f} times less halve it", 1 / half->factor);
+  return fmt::format("{} {:.1f} times as well known halve it", name, 1 / half->factor);
+}
+
+} // namespace
+
+std::string totalText(const TableValue& value, std::span<const statistics::ErrorPart> parts, double surfaceDoubt)
+{
+  const double total = statistics::totalError(parts);
   if (!std::isfinite(total))
     return "";
   std::string list;
-  std::pair<std::string, double> most;
-  for (const auto& part : parts)
-  {
-    list += fmt::format("{}{} {:.2g}", list.empty() ? "" : ", ", part.first, factor * part.second);
-    most = part.second > most.second ? part : most;
-  }
-  return fmt::format("    {:<{}}  {:.5g} ± {:.2g}{} ({}); most of it: {}\n", name, width, factor * value,
-    factor * total, unit, list, most.first);
+  for (const statistics::ErrorPart& part : parts)
+    list += fmt::format("{}{} {:.2g}", list.empty() ? "" : ", ", part.name, part.relative * value.value);
+  return fmt::format("    {:<{}}  {:.5g} ± {:.2g}{} ({}); {}\n", value.name, value.width, value.value,
+    total * value.value, value.unit, list, halvingText(parts, surfaceDoubt));
 }
 
 } // namespace lamella::cli

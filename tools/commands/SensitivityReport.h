@@ -1,7 +1,9 @@
 #pragma once
 
-#include "ErrorParts.h"
+#include "statistics/ErrorParts.h"
 
+#include <limits>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -26,10 +28,19 @@ struct Sensitivity
 /// @param of    whose uncertainty: "the conductivities'"
 [[nodiscard]] std::string sensitivityText(const Sensitivity& one, int width, const char* of);
 
-/// "value ± error (parts); most of it: part"; empty where the total is not known.
-/// @param unit with a space before it, or empty; @param factor to it from the unit of value and parts
-[[nodiscard]] std::string totalText(
-  const std::string& name, int width, double value, const std::string& unit, double factor, const ErrorParts& parts);
+/// A number of a table.
+struct TableValue
+{
+  std::string name;
+  int width = 1; ///< of the name
+  double value = 0;
+  std::string unit; ///< with a space before it, or empty
+};
+
+/// "value ± error (parts); what would halve it"; empty where the total is not known.
+/// @param surfaceDoubt of the part "segmentation" [pixels]
+[[nodiscard]] std::string totalText(const TableValue& value, std::span<const statistics::ErrorPart> parts,
+  double surfaceDoubt = std::numeric_limits<double>::quiet_NaN());
 inline constexpr const char* totalHeading = "  in all, of what was asked for\n";
 
 } // namespace lamella::cli

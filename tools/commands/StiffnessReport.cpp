@@ -201,7 +201,7 @@ std::string sensitivityText(const Fields& f)
     add(names[i], value, changes.of(sensitivity, i));
     const auto [unit, unitName] = stressUnit(value);
     if (total)
-      whole += totalText(names[i], 6, value, std::string(" ") + unitName, 1 / unit, constantErrorParts(f.data, i));
+      whole += totalText({ names[i], 6, value / unit, std::string(" ") + unitName }, constantErrorParts(f.data, i));
   }
   if (const std::vector<double> energy = fieldNumbers(f.data, "load_energy_sensitivity"); !energy.empty())
     add("energy", f("load_energy"), energy);

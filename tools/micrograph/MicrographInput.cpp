@@ -22,6 +22,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <memory>
 #include <set>
 
@@ -184,6 +185,7 @@ Micrograph segmentScan(Session& session, const MicrographOptions& options, Pictu
   found.marks = marksIn(std::move(parts.marks), first, picture.lattice);
   found.picture = toImageData(std::move(parts.image));
   setFieldTexts(found.picture, "segmentation", parts.report.lines());
+  setFieldNumbers(found.picture, "surface_doubt", std::array{ parts.report.surfaceDoubt });
   vtkNew<vtkMicrographContours> filter;
   extract(session, found, filter, options);
   found.scan = std::move(picture);

@@ -114,7 +114,8 @@ Json segmentationJson(const micrograph::SegmentReport& r)
     { "threshold", r.threshold }, { "separability", r.separability }, { "smallest_lumen", r.smallestLumen },
     { "smallest_wall", r.smallestWall }, { "lumens_removed", r.lumensRemoved }, { "walls_removed", r.wallsRemoved },
     { "opening", r.opening }, { "neck_nodes", r.neckNodes }, { "rim", r.rim }, { "rim_depth", r.rimDepth },
-    { "rim_channel", r.rimChannel }, { "half_height", r.halfHeight }, { "ray_gaps", r.rays },
+    { "rim_channel", r.rimChannel }, { "half_height", r.halfHeight }, { "edge_blur", r.edgeBlur },
+    { "surface_doubt", r.surfaceDoubt }, { "ray_gaps", r.rays },
     { "graphics_share", r.graphicsShare }, { "vessels", r.vessels }, { "lumens", r.lumens },
     { "lumen_fraction", r.lumenFraction }, { "cells", r.cells }, { "doubts", r.doubtNames() }, { "lines", r.lines() } };
 }

@@ -29,7 +29,8 @@ const std::map<std::string, std::string>& reports()
       "effective{x y z} extrapolated{x y z} conducting_phase relative{x y z} formation_factor{x y z} "
       "tortuosity_factor{x y z} estimated_error estimated_errors{x y z} lattice_error lattice_errors{x y "
       "z} "
-      "picture_error picture_errors{x y z} window_error window_errors{x y z} target_error target tensor bounds{series "
+      "picture_error picture_errors{x y z} window_error window_errors{x y z} segmentation_errors{x y z} surface_doubt "
+      "input_errors{x y z} total_errors{x y z} target_error target tensor bounds{series "
       "parallel hashin_shtrikman} "
       "iterations setup_seconds solve_seconds method directions{x y z} window warnings segmentation lattice sides "
       "length tolerance balance solver_error nodes stored skipped solver_bytes conductivity_rounding slice_distance:m" +

@@ -120,19 +120,39 @@ double SteadyFindings::inputError(const lbm::DiffusionAnswer& answer) const
   return std::sqrt(sum);
 }
 
-ErrorParts SteadyFindings::errorParts(const lbm::DiffusionAnswer& answer) const
+double SteadyFindings::segmentationError(const lbm::DiffusionAnswer& answer) const
 {
-  ErrorParts parts;
-  const auto add = [&](const char* name, double error) { parts.add(name, error); };
+  if (std::isnan(surfaceDoubt))
+    return notFound;
+  double sum = 0;
+  for (const double shift : answer.surfaces.shift)
+    sum += shift * shift;
+  return surfaceDoubt * std::sqrt(sum) / answer.result.effective[static_cast<std::size_t>(answer.axis)];
+}
+
+std::vector<statistics::ErrorPart> SteadyFindings::errorParts(const lbm::DiffusionAnswer& answer) const
+{
+  std::vector<statistics::ErrorPart> parts;
+  const auto add = [&](const char* name, double error)
+  {
+    if (std::isfinite(error))
+      parts.push_back({ name, error });
+  };
   add("lattice and picture", answer.error.relative);
   add("window", answer.window ? answer.window->relative() : notFound);
+  add("segmentation", segmentationError(answer));
   add("conductivities", inputError(answer));
   return parts;
 }
 
 double SteadyFindings::totalError(const lbm::DiffusionAnswer& answer) const
 {
-  return errorParts(answer).total();
+  return statistics::totalError(errorParts(answer));
+}
+
+bool SteadyFindings::tellsParts() const noexcept
+{
+  return windows || !uncertainty.empty() || !acrossUncertainty.empty() || !std::isnan(surfaceDoubt);
 }
 
 SteadyFindings SteadyFindings::along(int axis) const
@@ -189,7 +209,24 @@ void describe(vtkImageData* output, const SteadyFindings& found)
   writeSensitivity("conductivity_across_sensitivity", &lbm::ConductivityDerivatives::across);
   if (!found.uncertainty.empty() || !found.acrossUncertainty.empty())
     write("input_error_by_direction", [&](const auto& answer) { return found.inputError(answer); });
-  if (!found.uncertainty.empty() || !found.acrossUncertainty.empty() || found.windows)
+  if (!std::isnan(found.surfaceDoubt))
+  {
+    setFieldNumbers(output, "surface_doubt", std::array{ found.surfaceDoubt });
+    std::vector<double> numbers;
+    const std::size_t ids = found.conductivity.size();
+    for (std::size_t a = 0; a < ids; ++a)
+      for (std::size_t b = a + 1; b < ids; ++b)
+      {
+        const std::size_t at = numbers.size();
+        numbers.insert(numbers.end(), 3, notFound);
+        for (const lbm::DiffusionAnswer& answer : found.answers)
+          if (!answer.surfaces.shift.empty())
+            numbers[at + static_cast<std::size_t>(answer.axis)] = answer.surfaces.shift[a * ids + b];
+      }
+    setFieldNumbers(output, "surface_sensitivity", numbers);
+    write("segmentation_error_by_direction", [&](const auto& answer) { return found.segmentationError(answer); });
+  }
+  if (found.tellsParts())
     write("total_error_by_direction", [&](const auto& answer) { return found.totalError(answer); });
   if (found.windows)
   {

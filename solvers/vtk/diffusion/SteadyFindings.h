@@ -1,15 +1,15 @@
 #pragma once
 
-#include "ErrorParts.h"
-
 #include "lbm/Bounds.h"
 #include "lbm/DiffusionStudy.h"
 #include "lbm/StudyChecks.h"
+#include "statistics/ErrorParts.h"
 
 #include "vtkLamellaSolversVTKModule.h" // for the export macro
 
 #include <array>
 #include <cstddef>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -36,7 +36,9 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   lbm::Stencil stencil = lbm::Stencil::D2Q5;
   lbm::Bounds bounds;
   double targetError = 0; ///< 0: none
-  bool windows = false;   ///< the window error was asked for
+  /// How far surfaces may lie from where the picture has them [pixels]; NaN: their error was not asked for.
+  double surfaceDoubt = std::numeric_limits<double>::quiet_NaN();
+  bool windows = false; ///< the window error was asked for
   lbm::Shortfall shortfall;
   std::string direction; ///< as it is written: x, y, z, all
   std::string sides;
@@ -63,10 +65,14 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   [[nodiscard]] double inputError(const lbm::DiffusionAnswer& answer, std::size_t id, bool across) const;
   /// All of them, which are independent: the root of the sum of squares; NaN where none is told.
   [[nodiscard]] double inputError(const lbm::DiffusionAnswer& answer) const;
-  /// What is known of the value's error, relative, by name: "lattice and picture", "window", "conductivities".
-  [[nodiscard]] ErrorParts errorParts(const lbm::DiffusionAnswer& answer) const;
-  /// The root of the sum of their squares, which are independent; NaN where there are no two.
-  [[nodiscard]] double totalError(const lbm::DiffusionAnswer& answer) const;
+  /// What the surfaces' doubt leaves of the value, relative; the levels that part one phase from another each are
+  /// independent of each other. NaN where it was not asked for.
+  [[nodiscard]] double segmentationError(const lbm::DiffusionAnswer& answer) const;
+  /// What is known of the value's error, by name: "lattice and picture", "window", "segmentation", "conductivities".
+  [[nodiscard]] std::vector<statistics::ErrorPart> errorParts(const lbm::DiffusionAnswer& answer) const;
+  [[nodiscard]] double totalError(const lbm::DiffusionAnswer& answer) const; ///< of these
+  /// Whether more than the error of lattice and picture was asked for.
+  [[nodiscard]] bool tellsParts() const noexcept;
   /// Those of one direction alone.
   [[nodiscard]] SteadyFindings along(int axis) const;
 };

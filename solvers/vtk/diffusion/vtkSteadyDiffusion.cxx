@@ -5,6 +5,7 @@
 #include "DiffusionScene.h"
 #include "RefinedImage.h"
 #include "SteadyFindings.h"
+#include "SurfaceDoubt.h"
 #include "WallConductivity.h"
 #include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
@@ -240,6 +241,22 @@ bool vtkSteadyDiffusion::TellsSensitivity() const
   return this->ComputeSensitivity || !this->Internal->Uncertainty.empty() || !this->Internal->AcrossUncertainty.empty();
 }
 
+bool vtkSteadyDiffusion::TellsSurfaces() const
+{
+  return this->EstimateSegmentationError || this->SurfaceDoubt > 0;
+}
+
+// The image's field data are on the ranks that hold it.
+void vtkSteadyDiffusion::TakeDoubt(vtkImageData* input, const lamella::Team& team)
+{
+  const double known = lamella::Communicator(team.comm()).max(lamella::surfaceDoubtOf(input));
+  const double doubt = this->SurfaceDoubt > 0 ? this->SurfaceDoubt : known;
+  if (!(doubt > 0))
+    throw lamella::ParameterError("nothing tells how far surfaces may lie from where the picture has them",
+      "give the doubt in pixels, or read the grey picture and let it be segmented");
+  this->Internal->Found.surfaceDoubt = doubt;
+}
+
 const lamella::SteadyFindings& vtkSteadyDiffusion::GetFindings() const
 {
   return this->Internal->Found;
@@ -315,6 +332,11 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
       "leave one of them out: the windows of phases, thresholded, tell the same");
   if (this->Interpolate && (shares || !this->Internal->Across.empty()))
     throw lamella::ParameterError("interpolated conductivities with shares, or along and across", "take one of them");
+  if (this->TellsSurfaces() && (this->Interpolate || !this->Internal->Across.empty()))
+    throw lamella::ParameterError(this->Interpolate
+        ? "a segmentation error of conductivities interpolated between greys, which have no surfaces"
+        : "a segmentation error where conductivities differ along and across walls",
+      "leave it out, or give each phase one conductivity");
   std::optional<lamella::GreyTable> table;
   std::optional<lamella::GreyBins> bins;
   team.agree(
@@ -331,14 +353,17 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
     input, this->GetInputArrayInformation(0), this->Direction, team, gathered, lamella::Voxels::Any, bins);
   if (table)
     team.agree([&] { this->TakeGreys(scene, *table); });
+  if (this->TellsSurfaces())
+    team.agree([&] { this->TakeDoubt(input, team); });
   this->Prepare(input, scene, team);
   FieldStore store(this, scene, team);
   gathered ? this->SolveGathered(scene, store, team) : this->SolveInBlocks(scene, store, team);
   output->ShallowCopy(input);
   // Of a state in time, which this is none, and of a window error, which may not be asked for.
-  for (const char* const name : { "time", "inlet_flux", "outlet_flux", "window_error", "window_error_by_direction",
-         "window_low", "window_high", "window_deviation", "window_freedom", "window_bias", "window_gradient",
-         "layered_conductivity", "layered_low", "layered_high" })
+  for (const char* const name :
+    { "time", "inlet_flux", "outlet_flux", "window_error", "window_error_by_direction", "window_low", "window_high",
+      "window_deviation", "window_freedom", "window_bias", "window_gradient", "layered_conductivity", "layered_low",
+      "layered_high", "surface_sensitivity", "segmentation_error_by_direction", "total_error_by_direction" })
     output->GetFieldData()->RemoveArray(name);
   this->Internal->Found.phaseArray = storePhases(output, scene.phases, team);
   this->Conclude();
@@ -566,6 +591,8 @@ void vtkSteadyDiffusion::SolveInBlocks(
     answer.result = solver.solve(axis);
     if (this->TellsSensitivity())
       answer.derivatives = solver.derivatives();
+    if (this->TellsSurfaces())
+      answer.surfaces = solver.surfaceDerivatives();
     lbm::RefinementStep step;
     step.value = answer.result.effective[static_cast<std::size_t>(axis)];
     step.nodes = answer.result.nodes;
@@ -594,6 +621,7 @@ void vtkSteadyDiffusion::SolveGathered(
   study.refinement = this->Refinement;
   study.estimateError = this->EstimateError;
   study.derivatives = this->TellsSensitivity();
+  study.surfaces = this->TellsSurfaces();
   study.windowError = this->EstimateWindowError;
   study.directed = internal.Directed;
   if (this->TargetError > 0)

@@ -40,6 +40,10 @@
  *   their greys; 0: each grey has its own. By it at most the effective one is off
  * - `phase_conductivity`: by phase id; `phase_fraction` likewise; `phase_names`. Where one differs across the wall
  *   also `phase_conductivity_across`
+ * - with EstimateSegmentationError `surface_doubt` [pixels], `surface_sensitivity`: 3 numbers a pair of phases (0 and
+ * 1, 0 and 2, … 1 and 2, …), how the effective conductivity along x, y, z changes where the first of the two grows into
+ *   the other by a pixel, and `segmentation_error_by_direction`, relative: what the doubt leaves, levels between phases
+ *   being independent
  * - with ComputeSensitivity `conductivity_sensitivity`: 3 numbers a phase, ∂K/∂k of the effective conductivity along x,
  *   y, z by that of the phase; of greys as shares by those of low and high. NaN where it does not conduct, or that
  *   direction was not solved. K = Σ k ∂K/∂k. Of phases with two conductivities that is the one along; also
@@ -275,6 +279,26 @@ public:
   vtkSwitchMacro(EstimateWindowError, false);
 
   /**
+   * Also tell how the value changes where the surfaces between phases lie elsewhere, as far as the picture's
+   * segmentation leaves it open: from the field of the solve, no other one is made. Needs a picture that was segmented,
+   * or the doubt in pixels.
+   * @word segmentation-error
+   * @group Accuracy and cost
+   * @advanced
+   */
+  vtkSwitchMacro(EstimateSegmentationError, false);
+
+  /**
+   * How far surfaces between phases may lie from where the picture has them [pixels], for the segmentation error; 0:
+   * what the picture's segmentation told of itself.
+   * @group Accuracy and cost
+   * @range [0, 10]
+   * @unset 0
+   * @advanced
+   */
+  vtkSettingMacro(SurfaceDoubt, double, 0);
+
+  /**
    * Refine until the estimated error is below this share, as far as the picture's own pixels and memory allow; 0: no
    * target. What it will take is told beforehand, a target that is not reached is warned of.
    * @group Accuracy and cost
@@ -310,6 +334,8 @@ private:
   struct Internals;
   class FieldStore;
   bool TellsSensitivity() const;
+  bool TellsSurfaces() const;
+  void TakeDoubt(vtkImageData* input, const lamella::Team& team);
   void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
   /// What of the settings and the image the solver takes. @throws Error on every rank
   void TakeShares(const lamella::DiffusionScene& scene);

@@ -50,11 +50,11 @@ void setSensitivity(
 void setConstantErrors(
   vtkDataObject* data, const elasticity::VoxelStiffness& found, std::span<const MaterialNumber> numbers, bool uncertain)
 {
-  const std::size_t count = elasticity::constantValues(found.constants).size();
+  const std::vector<double> values = elasticity::constantValues(found.constants);
   if (uncertain)
   {
     std::vector<double> inputs;
-    for (std::size_t i = 0; i < count; ++i)
+    for (std::size_t i = 0; i < values.size(); ++i)
     {
       double sum = 0; // they are independent
       for (std::size_t p = 0; p < numbers.size(); ++p)
@@ -64,26 +64,31 @@ void setConstantErrors(
     setFieldNumbers(data, "constants_input_error", inputs);
   }
   std::vector<double> totals;
-  for (std::size_t i = 0; i < count; ++i)
-    totals.push_back(constantErrorParts(data, i).total());
+  for (std::size_t i = 0; i < values.size(); ++i)
+    totals.push_back(statistics::totalError(constantErrorParts(data, i)) * std::abs(values[i]));
   setFieldNumbers(data, "constants_total_error", totals);
 }
 
-ErrorParts constantErrorParts(vtkDataObject* data, std::size_t constant)
+std::vector<statistics::ErrorPart> constantErrorParts(vtkDataObject* data, std::size_t constant)
 {
-  ErrorParts parts;
+  std::vector<statistics::ErrorPart> parts;
   const auto at = [&](const char* name)
   {
     const std::vector<double> values = fieldNumbers(data, name);
     return constant < values.size() ? values[constant] : unknown;
   };
-  parts.add("lattice and picture", at("constants_error"));
+  const double value = std::abs(at("constants"));
+  const auto add = [&](const char* name, double relative)
+  {
+    if (std::isfinite(relative))
+      parts.push_back({ name, relative });
+  };
+  add("lattice and picture", at("constants_error") / value);
   const std::vector<statistics::WindowError> windows = windowFields(data);
   const auto window =
     std::ranges::find(windows, fieldTexts(data, "constant_names").at(constant), &statistics::WindowError::name);
-  if (window != windows.end())
-    parts.add("window", window->relative() * std::abs(at("constants")));
-  parts.add("materials", at("constants_input_error"));
+  add("window", window != windows.end() ? window->relative() : unknown);
+  add("constants", at("constants_input_error") / value);
   return parts;
 }
 

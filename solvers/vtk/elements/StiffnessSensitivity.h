@@ -1,12 +1,14 @@
 #pragma once
 
-#include "ErrorParts.h"
 #include "VoxelMaterials.h"
+
+#include "statistics/ErrorParts.h"
 
 #include "vtkLamellaSolversVTKModule.h" // for the export macro
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 class vtkDataObject;
 
@@ -25,7 +27,8 @@ void setSensitivity(
 void setConstantErrors(vtkDataObject* data, const elasticity::VoxelStiffness& found,
   std::span<const MaterialNumber> numbers, bool uncertain);
 
-/// What the field data tell of a constant's error, in its unit: "lattice and picture", "window", "materials".
-[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT ErrorParts constantErrorParts(vtkDataObject* data, std::size_t constant);
+/// What the field data tell of a constant's error: "lattice and picture", "window", "constants" (of the phases).
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::vector<statistics::ErrorPart> constantErrorParts(
+  vtkDataObject* data, std::size_t constant);
 
 } // namespace lamella

@@ -245,6 +245,8 @@ std::optional<PhasePicture> phasesOfImage(
     throw InputError("'" + path.string() + "': " + error.what(), error.hint());
   }
   found.pixelSizeSource = fieldText(image, "pixel_size_source").value_or("VTK image spacing");
+  if (const std::vector<double> doubt = fieldNumbers(image, "surface_doubt"); doubt.size() == 1)
+    found.surfaceDoubt = doubt.front();
   found.fileSize = found.image.lattice.size;
   found.provenance = provenance(image);
   found.file = image;
@@ -293,6 +295,7 @@ void segmentVolume(PhasePicture& result, micrograph::Picture picture, const Pict
   micrograph::VolumeSegmentation found = micrograph::segmentVolume(std::move(picture), how);
   result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
   result.notes = found.report.lines();
+  result.surfaceDoubt = found.report.surfaceDoubt;
   result.volumeSegmentation = std::move(found.report);
   result.image = std::move(found.image);
 }
@@ -305,6 +308,7 @@ void segmentPicture(PhasePicture& result, const micrograph::Picture& picture, co
   micrograph::Segmentation found = micrograph::segment(picture, how);
   result.warnings.insert(result.warnings.end(), found.warnings.begin(), found.warnings.end());
   result.notes = found.report.lines();
+  result.surfaceDoubt = found.report.surfaceDoubt;
   result.segmentation = std::move(found.report);
   result.image = options.window ? crop(found.image, *options.window) : std::move(found.image);
 }
@@ -419,6 +423,8 @@ PhasePicture readPhases(const fs::path& path, const PictureOptions& options)
   result.window = options.window;
   if (options.refine != 1)
     result.image = refine(result.image, options.refine);
+  if (result.surfaceDoubt)
+    *result.surfaceDoubt *= options.refine;
   return result;
 }
 

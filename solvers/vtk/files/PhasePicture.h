@@ -53,7 +53,9 @@ struct PhasePicture
   std::vector<std::string> notes;                        ///< how its greys were parted, a line a step
   std::optional<micrograph::SegmentReport> segmentation; ///< of a picture
   std::optional<micrograph::VolumeReport> volumeSegmentation; ///< of a volume
-  std::string provenance;                                     ///< of the file, where it carries one: JSON text
+  /// How far surfaces between phases may lie from where they were put, in the image's pixels, where that is known.
+  std::optional<double> surfaceDoubt;
+  std::string provenance;             ///< of the file, where it carries one: JSON text
   vtkSmartPointer<vtkImageData> file; ///< a .vti read at its points, with all it holds, before the window; else null
 };
 

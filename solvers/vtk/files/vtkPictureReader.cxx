@@ -123,6 +123,8 @@ void vtkPictureReader::Load()
   lamella::setFieldText(this->Image, "pixel_size_source", picture.pixelSizeSource);
   if (!picture.notes.empty())
     lamella::setFieldTexts(this->Image, "segmentation", picture.notes);
+  if (picture.surfaceDoubt)
+    lamella::setFieldNumbers(this->Image, "surface_doubt", std::array{ *picture.surfaceDoubt });
 
   for (const std::string& warning : picture.warnings)
     vtkWarningMacro(<< warning);

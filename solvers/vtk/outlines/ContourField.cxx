@@ -7,6 +7,7 @@
 #include "core/Suggestion.h"
 #include "lattice/PhaseNames.h"
 #include "outlines/ShareLevel.h"
+#include "segmentation/SegmentTypes.h"
 
 #include "vtkCellData.h"
 #include "vtkDataArray.h"
@@ -18,6 +19,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 namespace lamella
@@ -158,7 +160,7 @@ void setRecipe(vtkDataObject* outlines, const OutlineRecipe& recipe)
 {
   const micrograph::ExtractOptions& o = recipe.options;
   const nlohmann::json json{ { "basis", recipe.basis }, { "array", recipe.array }, { "lumen", recipe.lumen },
-    { "level", recipe.level }, { "below", recipe.below }, { "pixel", recipe.pixel }, { "segmented", recipe.segmented },
+    { "level", recipe.level }, { "below", recipe.below }, { "pixel", recipe.pixel }, { "doubt", recipe.doubt },
     { "smooth", o.smooth }, { "wavelength", o.wavelength }, { "tolerance", o.tolerance },
     { "smallest_area", o.smallestArea }, { "least_solidity", o.leastSolidity } };
   setFieldText(outlines, "extraction", json.dump());
@@ -180,7 +182,10 @@ std::optional<OutlineRecipe> recipeOf(vtkDataObject* outlines)
     read("level", recipe.level);
     read("below", recipe.below);
     read("pixel", recipe.pixel);
-    read("segmented", recipe.segmented);
+    if (json.contains("doubt"))
+      read("doubt", recipe.doubt);
+    else if (json.at("segmented").get<bool>()) // as earlier versions wrote it
+      recipe.doubt = micrograph::surfaceDoubt(0, std::numeric_limits<double>::infinity());
     read("smooth", recipe.options.smooth);
     read("wavelength", recipe.options.wavelength);
     read("tolerance", recipe.options.tolerance);

@@ -34,7 +34,7 @@ struct OutlineRecipe
   double level = 0.5;     ///< between lumens and walls
   bool below = false;     ///< lumens are where numbers are below it
   double pixel = 0;       ///< of the picture [m]
-  bool segmented = false; ///< the phases were found in a scan: where walls begin is in doubt
+  double doubt = 0; ///< how far outlines of a scan may lie from where walls begin [pixels]; 0: it is none
   micrograph::ExtractOptions options;
 };
 

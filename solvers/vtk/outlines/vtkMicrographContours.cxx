@@ -5,6 +5,7 @@
 #include "ContourField.h"
 #include "FieldNumbers.h"
 #include "PhaseIds.h"
+#include "SurfaceDoubt.h"
 #include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
@@ -60,7 +61,7 @@ void vtkMicrographContours::Extract(vtkImageData* image, vtkPolyData* output)
     const std::size_t lumen = lamella::findVoid(phases, this->LumenPhase, "lumens");
     field = lamella::contourField(lamella::latticeOf(image), phases, lumen);
     recipe.lumen = phases.names[lumen];
-    recipe.segmented = lamella::fieldText(image, "segmentation").has_value();
+    recipe.doubt = lamella::surfaceDoubtOf(image);
     parameters = { { "lumen", recipe.lumen }, { "smooth", this->Smooth } };
     if (this->Smooth)
       parameters["wavelength"] = this->Wavelength;

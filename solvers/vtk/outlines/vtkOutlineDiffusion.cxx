@@ -212,8 +212,8 @@ void vtkOutlineDiffusion::Solve(vtkPolyData* outlines, vtkImageData* picture, vt
     study.shares = recipe->basis == lamella::OutlineRecipe::Shares;
     study.coarser = micrograph::coarserOutlines(field.image, 0, field.level, recipe->options);
     study.sealed = micrograph::sealedOutlines(contours, study.pixel);
-    if (recipe->segmented)
-      study.moved = micrograph::movedOutlines(contours, micrograph::segmentDoubt * study.pixel);
+    if (recipe->doubt > 0)
+      study.moved = micrograph::movedOutlines(contours, recipe->doubt * study.pixel);
   }
   lamella::LamellaLabels labels;
   micrograph::LamellaOptions how;

@@ -56,6 +56,16 @@ class DiffusionResult(ImageBase):
         "Of a picture that changes so its slabs as layers, in series or in parallel, by direction.", by="_if_asked")
     layered_low: dict[str, float] = told("The interval of a material of such layers, by direction.", by="_if_asked")
     layered_high: dict[str, float] = told("Its other end, by direction.", by="_if_asked")
+    segmentation_error: dict[str, float] = told(
+        "How far the value may be off because surfaces between phases lie elsewhere, relative, by direction; empty unless"
+        " it was asked for.", "segmentation_error_by_direction", by="_if_asked")
+    input_error: dict[str, float] = told(
+        "What the uncertainty of the phases' conductivities leaves of the value, relative, by direction; empty where none"
+        " was given.", "input_error_by_direction", by="_if_asked")
+    total_error: dict[str, float] = told(
+        "All that is known of the value's error, the root of the squares of the parts that were asked for, relative, by"
+        " direction; empty unless there is a part beside that of lattice and picture.", "total_error_by_direction",
+        by="_if_asked")
     extrapolated: dict[str, float] = told(
         "Effective conductivity that the material is expected to have, by direction: only where it is nearer.",
         "extrapolated_conductivity", by="_by_direction")

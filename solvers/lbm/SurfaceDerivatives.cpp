@@ -1,0 +1,255 @@
+#include "lbm/SurfaceDerivatives.h"
+
+#include "lbm/BoxField.h"
+
+#include "core/Error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <vector>
+
+namespace lamella::lbm
+{
+namespace
+{
+
+constexpr std::int64_t sumParts = 16; // that threads may make at once: the same sums, whatever their number
+
+using Vector = std::array<double, 3>;
+
+/// The field and its phases around every node of this rank's block.
+class Surroundings
+{
+public:
+  Surroundings(const Problem& problem, BoxField& field)
+    : problem_(problem)
+    , field_(field)
+    , block_(problem.parts.block())
+    , periodic_(problem.periodic())
+  {
+    for (int a = 0; a < problem.lattice.dimension; ++a)
+      spacing_[static_cast<std::size_t>(a)] = problem.lattice.aspect[static_cast<std::size_t>(a)];
+  }
+
+  /// Everything at one node of a row.
+  struct Node
+  {
+    std::int64_t x = 0, y = 0, z = 0;
+    std::uint8_t phase = 0;
+    double u = 0;
+  };
+
+  [[nodiscard]] Node node(std::int64_t x, std::int64_t y, std::int64_t z) const
+  {
+    return { x, y, z, field_.rowPhase(y, z)[x], field_.rowValues(y, z)[x] };
+  }
+
+  /// Whether there is a node at a place, which is then in `of`; its value is less the jump of a cell that repeats.
+  bool neighbour(const Node& n, int axis, int step, Node& of) const
+  {
+    std::int64_t x = n.x;
+    std::int64_t y = n.y;
+    std::int64_t z = n.z;
+    (axis == 0 ? x : axis == 1 ? y : z) += step;
+    if (!inside(n, axis, step))
+      return false;
+    const std::int64_t wrapped = x < 0 ? x + block_.size[0] : x >= block_.size[0] ? x - block_.size[0] : x;
+    of = { wrapped, y, z, field_.rowPhase(y, z)[wrapped], field_.rowValues(y, z)[wrapped] };
+    if (periodic_[static_cast<std::size_t>(axis)] && axis == problem_.axis)
+      of.u -= step / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(axis)]);
+    return true;
+  }
+
+  /// Unit normal out of the phase of a node; zeros where it lies on both sides alike.
+  [[nodiscard]] Vector normal(const Node& n) const
+  {
+    Vector sum{ 0, 0, 0 };
+    const int depth = problem_.lattice.dimension == 3 ? 1 : 0;
+    for (int dz = -depth; dz <= depth; ++dz)
+      for (int dy = -1; dy <= 1; ++dy)
+      {
+        const std::int64_t y = inside(n, 1, dy) ? n.y + dy : n.y; // beyond a side, its mirror image
+        const std::int64_t z = inside(n, 2, dz) ? n.z + dz : n.z;
+        const std::uint8_t* const row = field_.rowPhase(y, z);
+        for (int dx = -1; dx <= 1; ++dx)
+        {
+          std::int64_t x = inside(n, 0, dx) ? n.x + dx : n.x;
+          x = x < 0 ? x + block_.size[0] : x >= block_.size[0] ? x - block_.size[0] : x;
+          if (row[x] != n.phase)
+            continue;
+          const double weight = (2 - std::abs(dx)) * (2 - std::abs(dy)) * (2 - std::abs(dz));
+          sum[0] -= weight * dx / spacing_[0];
+          sum[1] -= weight * dy / spacing_[1];
+          sum[2] -= weight * dz / spacing_[2];
+        }
+      }
+    const double length = std::hypot(sum[0], sum[1], sum[2]);
+    for (double& component : sum)
+      component = length > 1e-9 ? component / length : 0;
+    return sum;
+  }
+
+  /// Gradient of the field within the phase of a node, per spacing along x.
+  [[nodiscard]] Vector gradient(const Node& n) const
+  {
+    Vector g{ 0, 0, 0 };
+    for (int a = 0; a < problem_.lattice.dimension; ++a)
+    {
+      double within = 0;
+      double all = 0;
+      int links = 0;
+      for (const int step : { -1, 1 })
+      {
+        Node other;
+        double slope = 0;
+        bool same = true;
+        if (neighbour(n, a, step, other))
+        {
+          same = other.phase == n.phase;
+          if (const double k = problem_.diffusivity[n.phase]; !std::isnan(other.u))
+            slope = step * (other.u - n.u) * harmonicMean(k, problem_.diffusivity[other.phase]) / k;
+        }
+        else if (a == problem_.axis) // the face's value, half a spacing away
+          slope = 2.0 * step * ((step < 0 ? 1.0 : 0.0) - n.u);
+        all += slope / 2;
+        within += same ? slope : 0;
+        links += same ? 1 : 0;
+      }
+      const auto axis = static_cast<std::size_t>(a);
+      g[axis] = (links > 0 ? within / links : all) / spacing_[axis];
+    }
+    return g;
+  }
+
+  [[nodiscard]] const Vector& spacing() const noexcept { return spacing_; }
+
+  /// Which nodes of a row have another phase at a face: most have not.
+  void mark(std::int64_t y, std::int64_t z, std::span<std::uint8_t> marks) const
+  {
+    const std::uint8_t* const row = field_.rowPhase(y, z);
+    const std::int64_t nx = block_.size[0];
+    marks[0] = marks[static_cast<std::size_t>(nx - 1)] = 1; // where sides wrap or end
+    for (std::int64_t x = 1; x < nx - 1; ++x)
+      marks[static_cast<std::size_t>(x)] =
+        static_cast<std::uint8_t>((row[x] ^ row[x - 1]) | (row[x] ^ row[x + 1])); // not 0 where one differs
+    for (int a = 1; a < problem_.lattice.dimension; ++a)
+      for (const int step : { -1, 1 })
+        if (inside({ 0, y, z }, a, step))
+        {
+          const std::uint8_t* const other = a == 1 ? field_.rowPhase(y + step, z) : field_.rowPhase(y, z + step);
+          for (std::int64_t x = 0; x < nx; ++x)
+            marks[static_cast<std::size_t>(x)] |= static_cast<std::uint8_t>(row[x] ^ other[x]);
+        }
+  }
+
+private:
+  // Whether a step along an axis stays in the lattice.
+  [[nodiscard]] bool inside(const Node& n, int axis, int step) const
+  {
+    const auto a = static_cast<std::size_t>(axis);
+    const std::int64_t p = (axis == 0 ? n.x : axis == 1 ? n.y : n.z) + block_.start[a] + step;
+    return periodic_[a] || (p >= 0 && p < problem_.lattice.size[a]);
+  }
+
+  const Problem& problem_;
+  BoxField& field_;
+  Block block_;
+  std::array<bool, 3> periodic_;
+  Vector spacing_{ 1, 1, 1 };
+};
+
+/// What the faces of one node add to the derivative and to the area of each pair.
+void addNode(const Surroundings& around, const Surroundings::Node& n, std::span<const double> k, int dimension,
+  double* shift, double* area)
+{
+  std::array<Surroundings::Node, 6> across;
+  std::array<int, 6> axes{};
+  std::size_t faces = 0;
+  for (int a = 0; a < dimension; ++a)
+    for (const int step : { -1, 1 })
+      if (around.neighbour(n, a, step, across[faces]) && across[faces].phase != n.phase)
+        axes[faces++] = a;
+  if (faces == 0)
+    return;
+  const Vector normal = around.normal(n);
+  const bool flat = normal != Vector{ 0, 0, 0 };
+  const double own = k[n.phase];
+  const bool conducts = own > 0 && !std::isnan(n.u);
+  const Vector g = conducts ? around.gradient(n) : Vector{ 0, 0, 0 };
+  const double square = g[0] * g[0] + g[1] * g[1] + g[2] * g[2];
+  const double out = g[0] * normal[0] + g[1] * normal[1] + g[2] * normal[2];
+  for (std::size_t f = 0; f < faces; ++f)
+  {
+    const auto a = static_cast<std::size_t>(axes[f]);
+    const double part = (flat ? std::abs(normal[a]) : 1.0) / around.spacing()[a];
+    const double through = flat ? out : g[a];
+    const double other = k[across[f].phase];
+    const std::size_t i = std::min(n.phase, across[f].phase) * k.size() + std::max(n.phase, across[f].phase);
+    area[i] += part / 2; // both sides count
+    if (!conducts)
+      continue;
+    const double gain = n.phase < across[f].phase ? 1 : -1; // by the lower id's growth
+    if (own > other)
+      shift[i] += gain * part * (own - other) * (square - through * through);
+    else if (other > own)
+      shift[i] += gain * part * (1 / other - 1 / own) * own * own * through * through;
+  }
+}
+
+} // namespace
+
+SurfaceDerivatives surfaceDerivatives(const Problem& problem, const Backend& backend)
+{
+  if (problem.options.links || problem.options.pairs || problem.options.directed)
+    throw ParameterError("derivatives by surfaces of phases that conduct along and across, or of links that were given",
+      "give each phase one conductivity");
+  SteadyOptions options = problem.options; // the field's rows are all that is asked for: elements have them, too
+  options.stencil = problem.lattice.dimension == 3 ? Stencil::D3Q7 : Stencil::D2Q5;
+  const Problem straight{ problem.lattice, problem.parts, problem.comm, options, problem.phase, problem.diffusivity,
+    problem.axis, nullptr };
+  BoxField field(straight);
+  {
+    std::vector<double> value(problem.phase.size());
+    backend.value(value);
+    field.setValue(value);
+  }
+  field.fillGhosts();
+  const Surroundings around(straight, field);
+  const std::size_t pairs = problem.diffusivity.size() * problem.diffusivity.size();
+  const Block& block = problem.parts.block();
+  const std::int64_t rows = block.size[1] * block.size[2];
+  const std::int64_t parts = std::clamp<std::int64_t>(rows, 1, sumParts);
+  std::vector<double> sums(2 * pairs * static_cast<std::size_t>(parts), 0.0);
+  const int threads = problem.options.threads;
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+  for (std::int64_t part = 0; part < parts; ++part)
+  {
+    double* const shift = sums.data() + 2 * pairs * static_cast<std::size_t>(part);
+    std::vector<std::uint8_t> marks(static_cast<std::size_t>(block.size[0]));
+    for (std::int64_t row = part * rows / parts; row < (part + 1) * rows / parts; ++row)
+    {
+      around.mark(row % block.size[1], row / block.size[1], marks);
+      for (std::int64_t x = 0; x < block.size[0]; ++x)
+        if (marks[static_cast<std::size_t>(x)] != 0)
+          addNode(around, around.node(x, row % block.size[1], row / block.size[1]), problem.diffusivity,
+            problem.lattice.dimension, shift, shift + pairs);
+    }
+  }
+  SurfaceDerivatives all{ std::vector<double>(pairs, 0.0), std::vector<double>(pairs, 0.0) };
+  for (std::size_t i = 0; i < sums.size(); ++i)
+    (i % (2 * pairs) < pairs ? all.shift : all.area)[i % pairs] += sums[i];
+  problem.comm.sum(all.shift);
+  problem.comm.sum(all.area);
+  const auto axis = static_cast<std::size_t>(problem.axis);
+  const double gradient = 1 / (static_cast<double>(problem.lattice.size[axis]) * around.spacing()[axis]);
+  const auto nodes = static_cast<double>(problem.lattice.count());
+  for (double& s : all.shift)
+    s /= nodes * gradient * gradient;
+  for (double& a : all.area)
+    a /= nodes;
+  return all;
+}
+
+} // namespace lamella::lbm
