@@ -100,7 +100,7 @@ public:
       {
         if (!told_ && (x - madeAt).cwiseAbs().maxCoeff() > farDifferences)
           differences(x, here);
-        if (settled)
+        if (settled && !edge_)
           take(step, x, here);
         break;
       }
@@ -201,6 +201,7 @@ private:
     }
     catch (const ParameterError&)
     {
+      edge_ = true;
       return std::nullopt;
     }
   }
@@ -340,6 +341,7 @@ private:
   VectorXd start_; ///< logarithms
   int evaluations_ = 0;
   bool told_ = false; ///< derivatives, by the model
+  bool edge_ = false; ///< it could not have some parameters: not a step farther than it was asked
 };
 
 } // namespace

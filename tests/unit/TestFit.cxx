@@ -117,6 +117,20 @@ TEST(Fit, FollowsABentValley)
   EXPECT_LE(r.evaluations, 8);
 }
 
+// What fits best lies where the model ends: it is never asked beyond, nor is anything told of there.
+TEST(Fit, StaysWhereTheModelIs)
+{
+  const auto model = [](std::span<const double> k)
+  {
+    if (k[0] > 1.9)
+      throw ParameterError("too much", "");
+    return FitEvaluation{ { k[0] }, { 1 } };
+  };
+  const FitResult r = fit({ { "wall", 1 } }, { { "x", 1.92, 0.2 } }, model);
+  EXPECT_LE(r.parameters[0].value, 1.9);
+  EXPECT_GT(r.parameters[0].value, 1.8);
+}
+
 TEST(Fit, SaysWhatItCannotTell)
 {
   const auto fitted = [](const std::vector<FitParameter>& p, const std::vector<FitMeasurement>& m, const auto& model)
