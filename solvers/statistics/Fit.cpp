@@ -29,8 +29,9 @@ constexpr double mostDamping = 1e8;
 constexpr double farOff = 3;            // standard deviations
 constexpr double leastCurvature = 1e-9; // of the largest one
 constexpr double smallStep = 0.05;      // of a measurement's standard deviation: no more steps are worth it
-constexpr double watched = 0.05;        // damping below which a step that went up is followed by one more
-constexpr double farDifferences = 0.3;  // of a logarithm: made anew at the end where they are from farther away
+constexpr int mostHalvings = 10;
+constexpr double watched = 0.05;       // damping below which a step that went up is followed by one more
+constexpr double farDifferences = 0.3; // of a logarithm: made anew at the end where they are from farther away
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -87,7 +88,7 @@ public:
       VectorXd step = damped.ldlt().solve(-here.jacobian.transpose() * here.rest);
       const bool cut = step.cwiseAbs().maxCoeff() > mostStep;
       step = step.cwiseMax(-mostStep).cwiseMin(mostStep); // what hardly matters may want to go far
-      const VectorXd next = x + step;
+      VectorXd next = x + step;
       const bool settled = damping < 1 && !cut &&
         (step.cwiseAbs().maxCoeff() <= options_.tolerance || (here.jacobian * step).cwiseAbs().maxCoeff() <= smallStep);
       if (before && (settled || (next - start_).cwiseAbs().maxCoeff() > farthest)) // nowhere better
@@ -105,16 +106,26 @@ public:
         break;
       }
       std::optional<Point> there = tried(next);
+      bool shorter = false; // to where the model goes
+      for (int half = 0; half < mostHalvings && !there; ++half, shorter = true)
+      {
+        step *= 0.5;
+        next = x + step;
+        there = tried(next);
+      }
       if (there && !told_) // Broyden
         there->jacobian =
           here.jacobian + (there->rest - here.rest - here.jacobian * step) * step.transpose() / step.squaredNorm();
       const Point& best = before ? before->second : here;
       if (there && there->rest.squaredNorm() <= best.rest.squaredNorm() * (1 + leastFall))
       {
+        const bool little = shorter && (here.jacobian * step).cwiseAbs().maxCoeff() <= smallStep;
         before.reset();
         x = next;
         here = *std::move(there);
         damping = std::max(damping / 10, 1e-9);
+        if (little) // the rest is beyond
+          break;
         continue;
       }
       // along a valley that bends the next step finds back, by the derivatives there

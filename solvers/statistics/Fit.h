@@ -72,7 +72,8 @@ struct FitResult
 /// up is followed by one more, and both are taken back where that is no better (a watchdog: Chamberlain, Powell,
 /// Lemarechal & Pedersen, Math. Program. Study 16 (1982) 1).
 ///
-/// Intervals are those of the model made linear there. Where `model` throws a ParameterError a step was too long.
+/// Intervals are those of the model made linear there. Where `model` throws a ParameterError a step was too long, and
+/// half of it is tried: what fits best may lie where the model ends.
 ///
 /// @throws ParameterError: fewer measurements than parameters, values not finite or not positive; InputError where the
 ///   measurements do not tell a parameter (its interval would span more than two decades), with its name and the
