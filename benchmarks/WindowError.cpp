@@ -3,7 +3,8 @@
 // width, the median error of the pictures' own values, and what the windows cost over the solve.
 //
 // study=conductivity; study=stiffness: Young's moduli, sides straight (as those of the windows are) and periodic;
-// study=pores: porosity, number and mean size; study=rings: how often the gradient of a growth ring is seen.
+// study=pores: porosity, number and mean size; study=strength: peak stresses of bonds; study=rings: how often the
+// gradient of a growth ring is seen.
 //
 // Keys: seed=N of the first sample (1001), samples=N (5), pictures=N of each sample and size (8), kind=NAME.
 // The rule's weights were found on other seeds, see docs/benchmarks/window.md.
@@ -11,9 +12,11 @@
 #include "Table.h"
 #include "Tissues.h"
 
+#include "core/Clock.h"
 #include "elasticity/Materials.h"
 #include "elasticity/VoxelStiffness.h"
 #include "lbm/DiffusionStudy.h"
+#include "peridynamics/fracture/WindowStrength.h"
 #include "pores/PoreWindows.h"
 
 #include <fmt/format.h>
@@ -280,6 +283,66 @@ void poreNumbers(const Keys& keys)
   tellTotals(totals);
 }
 
+peridynamics::BondModel breakable(int solid)
+{
+  peridynamics::BondModel model;
+  const auto id = static_cast<std::uint8_t>(solid);
+  model.voids = { static_cast<std::uint8_t>(1 - solid) };
+  model.pairs[{ id, id }].material = { .youngsModulus = 1e9, .criticalStretch = 1e-3 };
+  return model;
+}
+
+/// The truth is the mean of all pictures of one kind and size: strength falls with the size.
+void strength(const Keys& keys)
+{
+  Table table(keys, "window-error", "strength", columns);
+  Totals totals;
+  heading();
+  for (const Tissue& tissue : tissues())
+  {
+    if (!wants(keys, tissue) || tissue.dimension == 3)
+      continue;
+    const std::vector<PhaseImage> large = largeSamples(tissue, tissue.large, keys);
+    const peridynamics::BondModel model = breakable(tissue.connected);
+    for (const std::int64_t edge : tissue.windows)
+      for (const int axis : { 0, 1 })
+      {
+        Line line;
+        std::vector<statistics::WindowError> found;
+        double truth = 0;
+        forPictures(large, edge, keys,
+          [&](const PhaseImage& picture)
+          {
+            peridynamics::FractureStudyOptions o;
+            o.loading.axis = axis;
+            o.displacement = false;
+            o.threads = 1;
+            try
+            {
+              const double start = seconds();
+              const auto whole =
+                peridynamics::studyFracture(model, picture.lattice, picture.phase, {}, o, Communicator(MPI_COMM_SELF));
+              const double solved = seconds();
+              found.push_back(statistics::strengthError(
+                whole.peak.stress, peridynamics::windowStrengths(model, picture.lattice, picture.phase, {}, o))
+                                .error);
+              line.solve += solved - start;
+              line.windows += seconds() - solved;
+              truth += whole.peak.stress;
+            }
+            catch (const NoPathError&)
+            {
+            }
+          });
+        for (const statistics::WindowError& window : found)
+          add(line, window, truth / static_cast<double>(found.size()));
+        if (!found.empty())
+          tell(table, totals, tissue.kind, fmt::format("strength {}", axis == 0 ? 'x' : 'y'), edge, line);
+      }
+  }
+  tellTotals(totals);
+}
+
 /// From earlywood to latewood along x.
 void rings(const Keys& keys)
 {
@@ -311,5 +374,6 @@ void rings(const Keys& keys)
 int main(int argc, char** argv)
 {
   return runStudies(argc, argv,
-    { { "conductivity", conductivity }, { "stiffness", stiffness }, { "pores", poreNumbers }, { "rings", rings } });
+    { { "conductivity", conductivity }, { "stiffness", stiffness }, { "pores", poreNumbers }, { "rings", rings },
+      { "strength", strength } });
 }

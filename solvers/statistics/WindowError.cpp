@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -337,6 +338,49 @@ std::vector<WindowError> windowErrors(std::span<const WindowProperty> properties
       errors[i].name = properties[i].name;
     }
   return errors;
+}
+
+StrengthError strengthError(double value, std::span<const WindowTiling> tilings, double probability)
+{
+  check(value, tilings);
+  constexpr double falls = 1.0 / 3;
+  StrengthError found;
+  double squares = 0; // of the sample's relative deviation, by their freedom
+  double scatter = 0; // the same of the windows themselves
+  double freedom = 0;
+  // ln mean over ln volume, weighted by how many there are
+  std::array<double, 5> sums{ 1, 0, value > 0 ? std::log(value) : 0, 0, 0 };
+  bool all = value > 0;
+  for (const WindowTiling& tiling : tilings)
+  {
+    const Variance windows(tiling);
+    const double n = windows.count();
+    all = all && windows.middle() > 0;
+    if (!(windows.middle() > 0))
+      continue;
+    const double relative = windows.square() / (windows.middle() * windows.middle());
+    squares += (n - 1) * relative * std::pow(n, -2 * falls);
+    scatter += (n - 1) * relative;
+    freedom += n - 1;
+    const double x = -std::log(n);
+    const double y = std::log(windows.middle());
+    for (std::size_t i = 0; const double term : { 1.0, x, y, x * x, x * y })
+      sums[i++] += n * term;
+  }
+  const Variance smallest(tilings.back());
+  WindowError& error = found.error;
+  error.value = error.expected = value;
+  error.freedom = smallest.freedom(std::nullopt);
+  error.quantile = studentQuantile(probability, error.freedom);
+  error.deviation = freedom > 0 ? value * std::sqrt(squares / freedom) : 0;
+  error.low = std::max(0.0, value - error.quantile * error.deviation);
+  error.high = value + error.quantile * error.deviation;
+  error.decay = 2 * falls;
+  if (all)
+    found.exponent = (sums[0] * sums[4] - sums[1] * sums[2]) / (sums[0] * sums[3] - sums[1] * sums[1]);
+  if (scatter > 0)
+    found.modulus = std::pow(scatter / freedom, -1.086 / 2);
+  return found;
 }
 
 WindowError sampleError(std::span<const double> values, double probability)

@@ -122,6 +122,25 @@ struct WindowProperty
 [[nodiscard]] std::vector<WindowError> windowErrors(
   std::span<const WindowProperty> properties, const WindowOptions& options = {});
 
+/// How strength depends on the sample's size; rough.
+struct StrengthError
+{
+  /// The interval is of the mean strength of samples of this size, which falls with it: of no material.
+  WindowError error;
+  /// Strength ∝ volume (area)^exponent, by the means of the windows and the sample; NaN where a mean is not above 0.
+  double exponent = std::numeric_limits<double>::quiet_NaN();
+  /// Weibull's m by the scatter between windows, (standard deviation over mean)^−1.086; in a chain of links it would
+  /// be −1/exponent. NaN where there is none.
+  double modulus = std::numeric_limits<double>::quiet_NaN();
+};
+
+/// Of windows that are pulled between platens of their own, as the sample is. The relative standard deviation between
+/// samples falls as volume^(−1/3): between that of a chain of links, where it does not fall, and that of means
+/// (−1/2). Found on generated tissues, and held on others: docs/benchmarks/window.md.
+/// @throws ParameterError as windowError()
+[[nodiscard]] StrengthError strengthError(
+  double value, std::span<const WindowTiling> tilings, double probability = 0.95);
+
 /// What several pictures of one material say together: mean, and its interval by Student's t. No bias is known.
 /// @param values at least two
 /// @throws ParameterError

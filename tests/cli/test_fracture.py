@@ -45,6 +45,23 @@ class Fracture(Case):
         self.assertEqual(batched["method"], "accurate")
         self.assertLess(batched["statistics"]["events"], batched["broken"])
 
+    def test_how_far_it_speaks_for_others(self):
+        found = self.works(*STRIP, *BREAKS, "--window-error", "--json").json()
+        plain = self.works(*STRIP, *BREAKS, "--json").json()
+        self.assertEqual((plain["window_errors"], plain["size_effect"]), (None, None))
+        self.assertEqual(found["peak_stress"], plain["peak_stress"])
+        window = found["window_errors"]["strength"]
+        self.assertLess(window["low"], found["peak_stress"])
+        self.assertAlmostEqual(window["high"] - found["peak_stress"], window["error"] * found["peak_stress"], delta=1e-6 * window["high"])
+        # What windows of a third have is what they have alone: the middle one, of all glue's layer 30 / 3 wide.
+        self.assertLess(found["size_effect"]["exponent"], 0)
+        self.assertGreater(found["size_effect"]["weibull_modulus"], 0)
+        self.assertIn("samples of this size have in the mean", self.works(*STRIP, *BREAKS, "--window-error").out)
+        several = self.run_lamella(*STRIP, *BREAKS, "--window-error", ranks=2)
+        self.assertEqual(several.code, 2)
+        self.assertIn("a window error on several processes\nhint: take one process", several.err)
+        self.fails(2, "a notch, which is no part", "leave the notch", *STRIP, *BREAKS, "--window-error", "--notch", "0,100um,50um,100um")
+
     def test_energy_of_a_crack(self):
         # with four neighbours a node, one bond a column crosses: 30 bonds of half of k s0² δx, k = 9 E/(π h³) δx⁴
         rows = [[100 if y < 22 else 255 for _ in range(30)] for y in range(44)]

@@ -231,6 +231,43 @@ TEST(WindowError, RefusesWhatItCannotTell)
   EXPECT_TRUE(std::isnan(windowError(0, std::vector<WindowTiling>{ { { 2, 1, 1 }, { 0, 0 } } }).relative()));
 }
 
+// Strengths that are all 1000 A^(-1/6) by area, but for a scatter of a tenth on either side of the mean.
+TEST(StrengthError, TellsTheSizeEffectAndTheScatter)
+{
+  const auto tiling = [](std::size_t parts)
+  {
+    WindowTiling t{ { parts, parts, 1 }, {} };
+    const auto n = static_cast<double>(parts * parts);
+    const double mean = 1000 * std::pow(n, 1.0 / 6);
+    for (std::size_t i = 0; i < parts * parts; ++i)
+      t.values.push_back(mean);
+    t.values[0] *= 1.1;
+    t.values[1] *= 0.9;
+    return t;
+  };
+  const std::vector<WindowTiling> tilings{ tiling(2), tiling(3) };
+  const StrengthError found = strengthError(1000, tilings);
+  EXPECT_NEAR(found.exponent, -1.0 / 6, 1e-12);
+  // squares of relative deviations: 0.02/3 of four windows, 0.02/8 of nine
+  const double own = (0.02 * std::pow(4, -2.0 / 3) + 0.02 * std::pow(9, -2.0 / 3)) / 11;
+  EXPECT_NEAR(found.error.deviation, 1000 * std::sqrt(own), 1e-9);
+  EXPECT_EQ(found.error.freedom, 6);
+  EXPECT_NEAR(found.error.high - 1000, 2.4469 * found.error.deviation, 1e-3 * found.error.deviation);
+  EXPECT_NEAR(found.error.low + found.error.high, 2000, 1e-9);
+  EXPECT_NEAR(found.modulus, std::pow(std::sqrt(0.04 / 11), -1.086), 1e-9);
+}
+
+TEST(StrengthError, OfWindowsThatNothingLeadsAcross)
+{
+  const std::vector<WindowTiling> tilings{ { { 2, 2, 1 }, { 0, 3, 5, 0 } },
+    { { 3, 3, 1 }, std::vector<double>(9, 0.0) } };
+  const StrengthError found = strengthError(2, tilings);
+  EXPECT_TRUE(std::isnan(found.exponent));
+  EXPECT_EQ(found.error.low, 0);
+  EXPECT_GT(found.error.high, 2);
+  EXPECT_THROW((void)strengthError(2, {}), ParameterError);
+}
+
 TEST(SubWindows, HoldEveryNodeOnce)
 {
   PhaseImage image;

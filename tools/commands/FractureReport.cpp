@@ -1,8 +1,10 @@
 #include "commands/FractureReport.h"
 
 #include "commands/DiffusionReport.h"
+#include "commands/WindowReport.h"
 #include "session/Text.h"
 
+#include "WindowFields.h"
 #include "core/Memory.h"
 #include "vtkLatticeConversion.h"
 
@@ -129,6 +131,12 @@ std::string fractureJson(const FractureReport& report)
   using enum Key::Kind;
   addKeys(json, f, { { "peak_stress" }, { "peak_strain" }, { "peak_broken", Whole }, { "effective_modulus" } });
   json["first_break"] = firstBreak(report, f);
+  const auto windows = windowFields(report.run.image);
+  json["window_errors"] = windowsJson(windows);
+  json["size_effect"] = nullptr;
+  if (!windows.empty())
+    json["size_effect"] = { { "exponent", jsonNumber(f("strength_exponent")) },
+      { "weibull_modulus", jsonNumber(f("weibull_modulus")) } };
   json["broken"] = f.whole("total_broken");
   json["broken_by_pair"] = brokenByPairJson(report);
   json["broken_energy"] = sizeKnown(report.run) ? Json(f("broken_energy")) : Json(nullptr);
@@ -149,6 +157,27 @@ std::string fractureJson(const FractureReport& report)
   return dump(json);
 }
 
+namespace
+{
+
+/// How far the sample speaks for others, and how strength falls with size.
+std::string strengthText(const BondFields& f)
+{
+  std::string text;
+  for (const statistics::WindowError& window : windowFields(f.image))
+  {
+    text += "    window: samples of this size have in the mean, with 95 % probability\n";
+    text += "    " + windowText(window.name + " ", window, " Pa", 1);
+    if (const double exponent = f("strength_exponent"); std::isfinite(exponent))
+      text += fmt::format("        ten times as large they have {:.2g} of it; Weibull modulus {:.2g} by the windows' "
+                          "scatter; both rough\n",
+        std::pow(10.0, exponent), f("weibull_modulus"));
+  }
+  return text;
+}
+
+} // namespace
+
 std::string fractureTable(const FractureReport& report)
 {
   const BondFields f(report.run);
@@ -165,6 +194,7 @@ std::string fractureTable(const FractureReport& report)
   }
   text += fmt::format("    peak at           strain {:.6g}, stress {}, {} bonds broken\n", f("peak_strain"),
     pascal(f("peak_stress")), grouped(f.whole("peak_broken")));
+  text += strengthText(f);
   text += fmt::format(
     "    end at            strain {:.6g}, stress {} ({:.3g} % of the peak), {} bonds broken:\n      {}\n", f("strain"),
     pascal(f("stress")), share(f("stress"), f("peak_stress")), grouped(f.whole("total_broken")), f.text("end_reason"));

@@ -58,7 +58,7 @@ const std::map<std::string, std::string>& reports()
         platens + model + sizes },
     { "fracture",
       "peak_stress:Pa peak_strain peak_broken effective_modulus:Pa first_break{strain stress:Pa position phases} "
-      "broken "
+      "window_errors{*} size_effect{exponent weibull_modulus} broken "
       "broken_by_pair broken_energy end end_reason states compression method breaking platen_layers{low high} "
       "statistics" +
         goesOn + platens + model + sizes },

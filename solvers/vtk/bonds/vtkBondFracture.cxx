@@ -3,11 +3,14 @@
 #include "BondScene.h"
 #include "FieldNumbers.h"
 #include "FractureData.h"
+#include "WindowFields.h"
 #include "vtkClassMacros.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
+#include "peridynamics/fracture/WindowStrength.h"
 
+#include "vtkFieldData.h"
 #include "vtkImageData.h"
 #include "vtkObjectFactory.h"
 #include "vtkPolyData.h"
@@ -15,6 +18,8 @@
 
 #include <array>
 #include <cstdio>
+#include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -49,6 +54,22 @@ std::string textOf(const pd::FractureProgress& p, bool unwritten)
       p.peakStress, unwritten ? ", checkpoint not written" : "");
   }
   return text.data();
+}
+
+// What an image has of them from before goes where there are none.
+void describeWindows(vtkImageData* image, std::optional<lamella::statistics::StrengthError> windows)
+{
+  for (const char* const name : { "strength_exponent", "weibull_modulus" })
+    image->GetFieldData()->RemoveArray(name);
+  if (!windows)
+  {
+    lamella::setWindowFields(image, {});
+    return;
+  }
+  windows->error.name = "strength";
+  lamella::setWindowFields(image, std::span(&windows->error, 1));
+  lamella::setFieldNumber(image, "strength_exponent", windows->exponent);
+  lamella::setFieldNumber(image, "weibull_modulus", windows->modulus);
 }
 
 } // namespace
@@ -97,6 +118,12 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
 {
   const lamella::BondSettings settings = this->Settings();
   check(settings);
+  if (this->EstimateWindowError && team.size() > 1)
+    throw lamella::ParameterError(
+      "a window error on several processes", "take one process, or leave the window error out");
+  if (this->EstimateWindowError && !settings.notches.empty())
+    throw lamella::ParameterError("a window error of a sample with a notch, which is no part of its material",
+      "leave the notch, or the window error out");
   const lamella::BondScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
   pd::FractureStudyOptions options;
@@ -127,9 +154,24 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   pd::FractureResult result = pd::studyFracture(
     scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, lamella::Communicator(team.comm()));
   this->PeakStress = result.peak.stress;
+  std::optional<lamella::statistics::StrengthError> windows;
+  if (this->EstimateWindowError)
+  {
+    this->TellNext();
+    const std::vector<lamella::statistics::WindowTiling> strengths =
+      pd::windowStrengths(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options);
+    if (!strengths.empty())
+      windows = lamella::statistics::strengthError(result.peak.stress, strengths);
+    else
+      result.warnings.emplace_back(
+        "the window error could not be told: the sample is too small to be cut into windows");
+  }
   this->AddWarnings(settings, result.warnings);
   for (vtkImageData* const image : this->KeptStates())
+  {
     this->Describe(image, scene, settings, result);
+    describeWindows(image, windows);
+  }
   if (team.rank() == 0)
   {
     lamella::setBrokenBonds(broken, result, scene, this->GetClassName());
@@ -159,6 +201,6 @@ void vtkBondFracture::Describe(vtkImageData* image, const lamella::BondScene& sc
       { "platen_layers", this->PlatenLayers }, { "method", lamella::wordOf(result.method) },
       { "breaking", lamella::wordOf(breaking) }, { "rivals", this->Rivals }, { "stop_share", this->StopShare },
       { "maximum_strain", this->MaximumStrain }, { "strain_step", this->StrainStep },
-      { "maximum_broken", this->MaximumBroken }, { "tolerance", this->Tolerance },
-      { "checkpoint_every", this->CheckpointEvery } });
+      { "window_error", this->EstimateWindowError }, { "maximum_broken", this->MaximumBroken },
+      { "tolerance", this->Tolerance }, { "checkpoint_every", this->CheckpointEvery } });
 }

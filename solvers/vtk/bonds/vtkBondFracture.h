@@ -33,6 +33,9 @@
  * - `peak_stress` [Pa], `peak_strain`, `peak_broken`; `first_break_strain`, `first_break_stress` (NaN where nothing
  *   broke); `effective_modulus` [Pa] of the unbroken sample; `total_broken`
  * - `broken_energy` [J], [J/m] of a picture: Σ ½ k s₀² |ξ|, what the broken bonds held when they were just critical
+ * - where EstimateWindowError is on and the sample can be cut: `window_of` (`strength`) and with it `window_errors`,
+ *   `window_low`, `window_high` and what else vtkVoxelStiffness has of them: of the mean strength of samples of this
+ *   size; `strength_exponent` (strength ∝ volume^exponent), `weibull_modulus` (by the windows' scatter)
  * - `end`: stress-fell, severed, nothing-breaks, maximum-strain or maximum-broken; `end_reason`: the same as a sentence
  * - of the state: `strain`, `stress` [Pa], `broken_bonds`, `hinges`, `state_iterations`
  * - `load`, `compression` (0 or 1), `load_axis`, `method`, `breaking`, `section_area`, `gauge_length`, `platen_layers`
@@ -140,6 +143,16 @@ public:
    * @advanced
    */
   vtkSettingMacro(StrainStep, double, 0);
+
+  /**
+   * Also pull the windows that the sample is cut into, halves and thirds of it along each axis, to their peaks, and
+   * tell how far the mean strength of samples of this size may be from this one's (95 %), and roughly how strength
+   * falls with size. About as much work as the sample itself. On one process.
+   * @word window-error
+   * @group Accuracy and cost
+   * @advanced
+   */
+  vtkSwitchMacro(EstimateWindowError, false);
 
   ///@{
   /**

@@ -8,6 +8,7 @@ from ._breaks import BreakResult, BrokenState, run_breaks
 from ._settings import Settings, declared
 from ._solve import as_image
 from ._types import Any, Array, Image, OnStep, Progress
+from ._windows import WindowErrors
 from .vtkLamellaSolversVTK import vtkBondFracture
 
 _COUNTS = (
@@ -23,7 +24,7 @@ class FractureState(BrokenState):
         return f"<lamella.FractureState: strain {self.imposed_strain:.6g}, {self.broken_bonds} bonds broken>"
 
 
-class FractureResult(BreakResult):
+class FractureResult(BreakResult, WindowErrors):
     """``vtk`` is the image at the end with all numbers as field data; ``vtk_broken`` a vtkPolyData with a vertex a
     broken bond; ``vtk_curve`` a vtkTable.
 
@@ -41,6 +42,11 @@ class FractureResult(BreakResult):
         "Curve that follows every snap-back: strain at which the next bond is just critical.", by="_column")
     critical_stress: Array = told(
         "Curve that follows every snap-back: stress at ``critical_strain`` [Pa].", by="_column")
+
+    strength_exponent: float = told(
+        "Strength is in proportion to volume (of a picture its area) to this power, by the windows' means; rough. NaN"
+        " unless a window error was asked for.")
+    weibull_modulus: float = told("Weibull's modulus by the scatter of the windows' strengths; rough. NaN likewise.")
 
     @property
     def broken(self) -> Array:

@@ -1,0 +1,82 @@
+#include "peridynamics/fracture/WindowStrength.h"
+
+#include "core/Error.h"
+#include "lattice/SubWindows.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <span>
+
+namespace lamella::peridynamics
+{
+namespace
+{
+
+constexpr double pastThePeak = 0.9; // of it: what comes further down tells nothing of strength
+
+FractureStudyOptions optionsOf(const FractureStudyOptions& sample)
+{
+  FractureStudyOptions o;
+  o.loading = sample.loading;
+  o.method = sample.method;
+  o.threads = sample.threads;
+  o.memory = sample.memory;
+  o.displacement = false;
+  o.fracture = sample.fracture;
+  o.fracture.stopShare = std::max(sample.fracture.stopShare, pastThePeak);
+  o.fracture.maxBroken = FractureOptions{}.maxBroken;
+  o.fracture.checkpoint = {};
+  o.fracture.continueFrom.clear();
+  o.fracture.keepWith = {};
+  o.fracture.takeBack = {};
+  return o;
+}
+
+} // namespace
+
+std::vector<statistics::WindowTiling> windowStrengths(const BondModel& model, const Lattice& lattice,
+  std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, const FractureStudyOptions& options)
+{
+  std::vector<statistics::WindowTiling> tilings;
+  std::vector<SubWindow> all;
+  for (const int parts : windowParts)
+    if (const SubWindows cuts = subWindows(lattice, parts); cuts.windows.size() > 1)
+    {
+      tilings.push_back({ cuts.counts, std::vector<double>(cuts.windows.size(), 0.0) });
+      all.insert(all.end(), cuts.windows.begin(), cuts.windows.end());
+    }
+  const Communicator alone(MPI_COMM_SELF);
+  std::vector<double> strength(all.size(), 0.0);
+  FractureStudyOptions own = optionsOf(options);
+  std::size_t done = 0;
+  own.fracture.progress = [&](const FractureProgress& p)
+  {
+    if (!options.fracture.progress)
+      return false;
+    FractureProgress told = p;
+    told.share = (static_cast<double>(done) + p.share) / static_cast<double>(all.size());
+    return options.fracture.progress(told);
+  };
+  for (std::size_t w = 0; w < all.size(); ++w, ++done)
+  {
+    const std::vector<std::uint8_t> ids = cut(lattice, phase, all[w]);
+    const std::vector<std::int32_t> grains = grain.empty() ? std::vector<std::int32_t>{} : cut(lattice, grain, all[w]);
+    try
+    {
+      strength[w] = studyFracture(model, latticeOf(lattice, all[w]), ids, grains, own, alone).peak.stress;
+    }
+    catch (const NoPathError&)
+    {
+      strength[w] = 0; // nothing carries
+    }
+  }
+  auto from = strength.begin();
+  for (statistics::WindowTiling& tiling : tilings)
+  {
+    std::copy_n(from, tiling.values.size(), tiling.values.begin());
+    from += static_cast<std::ptrdiff_t>(tiling.values.size());
+  }
+  return tilings;
+}
+
+} // namespace lamella::peridynamics

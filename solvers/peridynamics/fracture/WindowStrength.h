@@ -1,0 +1,20 @@
+#pragma once
+
+#include "peridynamics/fracture/FractureStudy.h"
+#include "statistics/WindowError.h"
+
+#include <vector>
+
+namespace lamella::peridynamics
+{
+
+/// Peak stresses [Pa] of the windows that a sample is cut into, halves and thirds of it along each axis, each between
+/// platens of its own and pulled as the sample is; 0 where nothing leads across. Each runs until its stress has fallen
+/// to nine tenths of its peak, and writes nothing.
+///
+/// @param phase, grain of the whole sample: on one rank  @param options as of the sample
+/// @throws as studyFracture()
+[[nodiscard]] std::vector<statistics::WindowTiling> windowStrengths(const BondModel& model, const Lattice& lattice,
+  std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, const FractureStudyOptions& options);
+
+} // namespace lamella::peridynamics
