@@ -450,7 +450,11 @@ private:
           s.tensor(k, load) = result.stress[static_cast<std::size_t>(k)];
       count(result);
       if (numbers > 0)
+      {
+        const double copying = seconds();
         fields.push_back(system.field(unit));
+        s.changeSeconds += seconds() - copying;
+      }
     }
     if (expands_ && !between(options_.sides))
     {
@@ -528,7 +532,7 @@ private:
         change = (s.tensor * change * s.tensor / (system.scale() * system.scale())).eval();
       s.changes.emplace_back(change.data(), change.data() + n * n);
     }
-    s.changeSeconds = seconds() - start;
+    s.changeSeconds += seconds() - start;
   }
 
   template <class Progress>

@@ -96,6 +96,14 @@ class Stiffness(Case):
         alone = self.works(*LAYERS, "--sensitivity", "--no-error-estimate", "--json", ranks=2).json()
         self.assertEqual(alone["sensitivity"], found["sensitivity"])
         self.assertEqual((alone["input_errors"], alone["total_errors"]), (None, None))
+        # a scene
+        self.write("s.toml", '[sample]\ngenerate = "laminate"\nsize = [32, 32]\naxis = "y"\ncells = 1\n[stiffness]\nyoung = { matrix = "1e9±1e8", inclusion = 4e9 }\n'
+                   'poisson = { matrix = 0, inclusion = 0 }\n[measure]\nby = "stiffness.relative_sensitivity.E_y.young:matrix"\ninputs = "stiffness.input_errors.E_y"\n')
+        self.works("run", "s.toml")
+        with open(self.path("s.results/table.csv"), encoding="utf-8") as file:
+            row = next(csv.DictReader(file))
+        self.assertAlmostEqual(float(row["by"]), 0.8, delta=1e-5)
+        self.assertAlmostEqual(float(row["inputs"]), 0.08, delta=1e-5)
         # the energy of a load: in parallel
         load = self.works(*words, "--mean-strain", "xx=0.01", "--no-tensor", "--no-stress", "--json").json()
         self.assertAlmostEqual(load["relative_sensitivity"]["energy"]["young:hard"], 0.8, delta=1e-5)
