@@ -40,4 +40,10 @@ inline constexpr double unresisted = 1e-6;
 /// @throws ParameterError for another number of values, and for one that is not finite
 [[nodiscard]] ElasticConstants elasticConstants(std::span<const double> stiffness, int dimension, double zero = 1e-9);
 
+/// How they change where the tensor does by `change`, to first order, in the order of constantValues(): of the unit
+/// that `change` has over the stiffness's. 0 of moduli that nothing resists.
+/// @param change as many values as `stiffness`
+[[nodiscard]] std::vector<double> constantChanges(
+  std::span<const double> stiffness, std::span<const double> change, int dimension, double zero = 1e-9);
+
 } // namespace lamella::elasticity

@@ -2,6 +2,9 @@
 
 #include "elasticity/ElasticSweep.h"
 
+#include <cstddef>
+#include <type_traits>
+
 namespace lamella::elasticity
 {
 namespace
@@ -72,6 +75,19 @@ std::size_t ElasticOperator<D>::bytes() const noexcept
 
 template <int D>
 template <class Real>
+const Real* ElasticOperator<D>::nodesAround(
+  const Real* u, const std::vector<Real>& beside, std::int64_t row, std::int64_t plane, int which, int component) const
+{
+  const ElasticGrid<D>& g = grid_;
+  const std::int64_t j = D == 2 ? 0 : row + (which & 1) == g.rows() ? 0 : row + (which & 1);
+  const std::int64_t up = plane + (D == 3 ? which >> 1 : which);
+  if (g.parts.split() && up == g.last())
+    return beside.data() + (D + component) * g.planeStride() + j * g.rowLength();
+  return u + component * g.componentStride() + g.at(j, up == g.planes() ? 0 : up);
+}
+
+template <int D>
+template <class Real>
 void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load, const StressRow& f) const
 {
   constexpr int n = voigtSize(D);
@@ -104,20 +120,12 @@ void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load, 
       for (std::int64_t j = 0; j < g.elementRows(); ++j)
       {
         for (int r = 0; r < rowsAround; ++r)
-        {
-          const std::int64_t jj = D == 3 && (r & 1) != 0 ? (j + 1 == g.rows() ? 0 : j + 1) : (D == 3 ? j : 0);
-          const std::int64_t up = k + (D == 3 ? r >> 1 : r);
-          const std::int64_t kk = up == g.planes() ? 0 : up;
-          const bool other = g.parts.split() && up == g.last();
           for (int c = 0; c < D; ++c)
           {
             double* const to = values + (c * rowsAround + r) * length;
-            std::copy_n(other ? beside.data() + (D + c) * g.planeStride() + jj * g.rowLength()
-                              : u + c * g.componentStride() + g.at(jj, kk),
-              g.rowLength(), to);
+            std::copy_n(nodesAround(u, beside, j, k, r, c), g.rowLength(), to);
             row.u[c][r] = to;
           }
-        }
         moduliRow(j, k, moduli.buffer.data(), moduli.rows.data());
         std::copy(moduli.rows.begin(), moduli.rows.end(), row.moduli);
         if (row.stretchX != nullptr)
@@ -147,11 +155,87 @@ void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load, 
   }
 }
 
+template <int D>
+template <class Real>
+void ElasticOperator<D>::forPairs(std::span<const StrainField<Real>> fields, const PairPhases& phases,
+  const std::function<void(std::int64_t plane, const double* sums)>& f) const
+{
+  const ElasticGrid<D>& g = grid_;
+  const bool axial = static_cast<bool>(phases.axis);
+  const std::size_t several = fields.size() > 1 ? 1 : 0;
+  const auto kernel = [&]
+  {
+    const PairKernels& kernels = pairKernels();
+    constexpr bool single = std::is_same_v<Real, float>;
+    if constexpr (D == 2 && single)
+      return kernels.plane[several][axial ? 1 : 0];
+    else if constexpr (D == 2)
+      return kernels.planeDouble[several][axial ? 1 : 0];
+    else if constexpr (single)
+      return kernels.space[several][axial ? 1 : 0];
+    else
+      return kernels.spaceDouble[several][axial ? 1 : 0];
+  }();
+  std::vector<std::vector<Real>> beside(fields.size());
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    planesBeside(fields[i].u, beside[i]);
+  std::vector<float> edges = stretchX_;
+  if (!g.stretched())
+    edges.assign(static_cast<std::size_t>(g.elements[0] + spareValues), 1.0F);
+  const std::size_t count =
+    phases.slots * static_cast<std::size_t>(pairParts(axial) * pairsOf(static_cast<int>(fields.size())));
+  const double factor = cornerFactor<D> * cornerFactor<D> / (g.edge * g.edge);
+#pragma omp parallel num_threads(threads_) if (threads_ > 1)
+  {
+    std::vector<std::byte> scratch(count * pairScratch);
+    std::vector<double> sums(count);
+    std::vector<ElasticRow<D, Real>> rows(fields.size());
+    for (std::size_t i = 0; i < fields.size(); ++i)
+    {
+      rows[i] = {};
+      rows[i].count = g.elements[0];
+      rows[i].stretchX = edges.data();
+      for (std::size_t k = 0; k < voigtSize(D); ++k)
+        rows[i].strain[k] = fields[i].strain[k] * g.edge / cornerFactor<D>;
+    }
+#pragma omp for schedule(static)
+    for (std::int64_t k = g.first(); k < g.lastElements(); ++k)
+    {
+      std::ranges::fill(sums, 0.0);
+      for (std::int64_t j = 0; j < g.elementRows(); ++j)
+      {
+        for (std::size_t i = 0; i < fields.size(); ++i)
+        {
+          for (int r = 0; r < rowsAround; ++r)
+            for (int c = 0; c < D; ++c)
+              rows[i].u[c][r] = nodesAround(fields[i].u, beside[i], j, k, r, c);
+          rows[i].stretch[1] = D == 3 ? 1 / static_cast<double>(g.widthOf(1, j)) : 1;
+          rows[i].stretch[D - 1] = 1 / static_cast<double>(g.widthOf(D - 1, k));
+        }
+        kernel(
+          { rows.data(), phases.phase(j, k), phases.slot.data(), axial ? phases.axis(j, k) : nullptr, scratch.data() },
+          sums.data());
+      }
+      for (double& sum : sums)
+        sum *= factor;
+      f(k, sums.data());
+    }
+  }
+}
+
 template class ElasticOperator<2>;
 template class ElasticOperator<3>;
 template void ElasticOperator<2>::forStresses(const float*, const ElasticLoad<2>*, const StressRow&) const;
 template void ElasticOperator<3>::forStresses(const float*, const ElasticLoad<3>*, const StressRow&) const;
 template void ElasticOperator<2>::forStresses(const double*, const ElasticLoad<2>*, const StressRow&) const;
 template void ElasticOperator<3>::forStresses(const double*, const ElasticLoad<3>*, const StressRow&) const;
+template void ElasticOperator<2>::forPairs(std::span<const StrainField<float>>, const PairPhases&,
+  const std::function<void(std::int64_t, const double*)>&) const;
+template void ElasticOperator<3>::forPairs(std::span<const StrainField<float>>, const PairPhases&,
+  const std::function<void(std::int64_t, const double*)>&) const;
+template void ElasticOperator<2>::forPairs(std::span<const StrainField<double>>, const PairPhases&,
+  const std::function<void(std::int64_t, const double*)>&) const;
+template void ElasticOperator<3>::forPairs(std::span<const StrainField<double>>, const PairPhases&,
+  const std::function<void(std::int64_t, const double*)>&) const;
 
 } // namespace lamella::elasticity

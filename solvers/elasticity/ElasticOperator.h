@@ -1,6 +1,7 @@
 #pragma once
 
 #include "elasticity/ElasticKernels.h"
+#include "elasticity/PairKernels.h"
 #include "elasticity/PlaneParts.h"
 
 #include <algorithm>
@@ -96,6 +97,23 @@ struct ElasticLoad
   std::function<void(std::int64_t row, std::int64_t plane, double* const* stress)> initial;
 };
 
+/// A field of a box: displacements, and the mean strain that they are the rest of.
+template <class Real>
+struct StrainField
+{
+  const Real* u = nullptr;
+  std::array<double, 6> strain{};
+};
+
+/// Whose parts energies of pairs of fields are told by, as PairRow has them of a row.
+struct PairPhases
+{
+  std::function<const std::uint8_t*(std::int64_t row, std::int64_t plane)> phase;
+  std::function<const float*(std::int64_t row, std::int64_t plane)> axis; ///< none: parts are not axial
+  std::array<std::int16_t, 256> slot{};
+  std::size_t slots = 0;
+};
+
 /// The product with the stiffness of a box of elements, made plane by plane: once a plane of nodes is complete, it is
 /// handed over and may replace the values it was made of. Each plane is worked out by one thread and in one order, so
 /// that the number of threads changes nothing.
@@ -141,10 +159,20 @@ public:
   template <class Real>
   void forStresses(const Real* u, const ElasticLoad<D>* load, const StressRow& f) const;
 
+  /// f(plane, sums) for every plane of elements of the rank, by its thread: sums of PairKernel over the plane, of
+  /// strains over 1, ∫ over a voxel's volume. @param fields one, or voigtSize(D)
+  template <class Real>
+  void forPairs(std::span<const StrainField<Real>> fields, const PairPhases& phases,
+    const std::function<void(std::int64_t plane, const double* sums)>& f) const;
+
 private:
   /// The planes of all components below the rank's own ones, and behind them those above.
   template <class Real>
   void planesBeside(const Real* u, std::vector<Real>& beside) const;
+  /// A row of nodes around a row of elements, of one component. @param beside planesBeside()
+  template <class Real>
+  const Real* nodesAround(const Real* u, const std::vector<Real>& beside, std::int64_t row, std::int64_t plane,
+    int which, int component) const;
 
   ElasticGrid<D> grid_;
   bool isotropic_;

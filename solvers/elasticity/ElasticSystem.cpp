@@ -592,6 +592,82 @@ void ElasticSystem<D>::forFields(const ElasticLoad<D>& load, const FieldRow& f) 
 }
 
 template <int D>
+typename ElasticSystem<D>::Field ElasticSystem<D>::field(const ElasticLoad<D>& load) const
+{
+  return { x_, exact_, load.strain };
+}
+
+template <int D>
+std::vector<double> ElasticSystem<D>::changes(std::span<const Field> fields, std::size_t numbers) const
+{
+  const ElasticGrid<D>& g = op_->grid();
+  const std::int64_t nx = g.elements[0];
+  const std::int64_t ny = g.elementRows();
+  const auto pairs = static_cast<std::size_t>(pairsOf(static_cast<int>(fields.size())));
+  const auto parts = static_cast<std::size_t>(pairParts(turns_));
+  PairPhases phases;
+  phases.phase = [this, nx, ny](std::int64_t row, std::int64_t plane)
+  { return problem_.phase.data() + nx * (row + ny * plane); };
+  if (turns_)
+    phases.axis = [this, nx, ny](std::int64_t row, std::int64_t plane)
+    { return problem_.axis[static_cast<std::size_t>(nx * (row + ny * plane))].data(); };
+  phases.slot.fill(-1);
+  struct Factor
+  {
+    std::size_t slot, number;
+    std::array<double, axialSize> parts{};
+  };
+  std::vector<Factor> factors;
+  for (std::size_t id = 0; id < problem_.laws.size(); ++id)
+  {
+    const ElasticLaw<D>& law = problem_.laws[id];
+    if (law.changes.empty() || rigid_[id])
+      continue;
+    phases.slot[id] = static_cast<std::int16_t>(phases.slots);
+    for (const ModulusChange& change : law.changes)
+    {
+      Factor factor{ phases.slots, change.number, change.moduli };
+      if (!turns_) // λ counts as no more than 2 μ in the strains that vary
+      {
+        double lambda = 0;
+        double mu = 0;
+        const bool most = law.isotropic(lambda, mu) && isotropic_ && lambda >= 2 * mu;
+        factor.parts = { change.moduli[0], most ? 2 * change.moduli[1] : change.moduli[0], change.moduli[1], 0, 0 };
+      }
+      factors.push_back(factor);
+    }
+    ++phases.slots;
+  }
+  if (phases.slots == 0)
+    return std::vector<double>(numbers * pairs, 0.0);
+  const std::size_t each = numbers * pairs;
+  std::vector<double> byPlane(each * static_cast<std::size_t>(g.elementPlanes()), 0.0);
+  const auto take = [&](std::int64_t plane, const double* sums)
+  {
+    double* const out = byPlane.data() + each * static_cast<std::size_t>(plane);
+    for (const Factor& factor : factors)
+      for (std::size_t part = 0; part < parts; ++part)
+        for (std::size_t pair = 0; pair < pairs; ++pair)
+          out[factor.number * pairs + pair] += factor.parts[part] * sums[(factor.slot * parts + part) * pairs + pair];
+  };
+  const auto run = [&]<class Real>(std::vector<Real> Field::*values)
+  {
+    std::vector<StrainField<Real>> all;
+    for (const Field& field : fields)
+      all.push_back({ (field.*values).data(), field.strain });
+    op_->template forPairs<Real>(all, phases, take);
+  };
+  if (options_.fields)
+    run(&Field::exact);
+  else
+    run(&Field::single);
+  std::vector<double> sums = totals(byPlane, each);
+  for (double& sum : sums)
+    sum /= static_cast<double>(nx * ny * g.elementPlanes());
+  return sums;
+}
+
+template <int D>
 void ElasticSystem<D>::correctPieces()
 {
   // z += Q (r − A z)
@@ -686,7 +762,9 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   std::vector<double> parts(planes);
   const auto total = [&] { return totals(parts, 1)[0]; };
 
-  // r = −(A x + what the load gives)
+  // r = −(A x + what the load gives); in double where single precision would lose what is left of a rigid piece's
+  // forces
+  std::vector<double> wide(bodies_ && options_.fields ? g.values() : 0);
   const auto residual = [&]
   {
     std::ranges::fill(parts, 0.0);
@@ -697,6 +775,8 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
         float* const out = r_.data() + c * component + g.at(j, k);
         for (std::int64_t i = 0; i < g.rowLength(); ++i)
           out[i] = static_cast<float>(-sums[c][i]);
+        for (std::int64_t i = 0; i < g.rowLength() && !wide.empty(); ++i)
+          wide[static_cast<std::size_t>(c * component + g.at(j, k) + i)] = -static_cast<double>(sums[c][i]);
         parts[static_cast<std::size_t>(k)] += kernels.dot(own, out, out);
       }
     };
@@ -729,7 +809,13 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
     residual();
     if (!bodies_)
       return total();
-    bodies_->project(r_.data(), threads);
+    if (wide.empty())
+      bodies_->project(r_.data(), threads);
+    else
+    {
+      bodies_->project(wide.data(), threads);
+      std::ranges::transform(wide, r_.begin(), [](double v) { return static_cast<float>(v); });
+    }
     return forPlanes([&](std::int64_t at) { return kernels.dot(own, r_.data() + at, r_.data() + at); });
   };
   ElasticResult<D> result;
@@ -917,16 +1003,9 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
   if (bodies_) // their stress is what holds them
   {
     residual();
-    forPlanes(
-      [&](std::int64_t at)
-      {
-        for (std::int64_t i = 0; i < g.rowLength(); ++i)
-          r_[static_cast<std::size_t>(at + i)] *= -1;
-        return 0.0;
-      });
-    const auto held = bodies_->stress(r_.data());
+    const auto held = wide.empty() ? bodies_->stress(r_.data()) : bodies_->stress(wide.data());
     for (std::size_t v = 0; v < n; ++v)
-      result.stress[v] += scale_ / voxels * held[v];
+      result.stress[v] -= scale_ / voxels * held[v]; // r is what holds them, reversed
   }
   return result;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "elasticity/ElasticMultigrid.h"
+#include "elasticity/Materials.h"
 #include "elasticity/RigidPieces.h"
 #include "elasticity/StiffPieces.h"
 #include "elasticity/StoredModuli.h"
@@ -22,7 +23,8 @@ struct ElasticLaw
   std::array<double, stiffnessSize(D)> stiffness{};
   /// Moduli as axialSize tells [Pa], of a material whose axis is each voxel's own; all 0: `stiffness` holds as it is.
   std::array<double, axialSize> axial{};
-  bool rigid = false; ///< each of its pieces moves as a body; `stiffness` is 0
+  bool rigid = false;                   ///< each of its pieces moves as a body; `stiffness` is 0
+  std::vector<ModulusChange> changes{}; ///< of one that is isotropic or turns
 
   [[nodiscard]] bool turns() const
   {
@@ -124,6 +126,21 @@ public:
     const double* const* strain, const double* const* stress)>;
   /// Of the last solve, whose load this was, for the rank's own planes of voxels. With `fields` only. Collective.
   void forFields(const ElasticLoad<D>& load, const FieldRow& f) const;
+  /// Displacements, in the precision that there is, and the mean strain that they are the rest of.
+  struct Field
+  {
+    std::vector<float> single;
+    std::vector<double> exact;
+    std::array<double, 6> strain{};
+
+    [[nodiscard]] std::size_t bytes() const noexcept { return single.size() * 4 + exact.size() * 8; }
+  };
+  /// Of the last solve, whose load this was.
+  [[nodiscard]] Field field(const ElasticLoad<D>& load) const;
+  /// Mean over the box of ε_i : ∂C/∂p : ε_j by the numbers p of the laws' `changes`, as the elements are integrated:
+  /// [p * pairs + triangle(fields, i, j)] [Pa over the number's unit]. Collective.
+  /// @param fields  one, or voigtSize(D) of them; of this box, whatever its sides held
+  [[nodiscard]] std::vector<double> changes(std::span<const Field> fields, std::size_t numbers) const;
   [[nodiscard]] double scale() const noexcept { return scale_; } ///< the largest modulus [Pa]
   [[nodiscard]] std::size_t bytes() const noexcept;              ///< of this rank, the picture's included
   [[nodiscard]] std::size_t levels() const noexcept { return multigrid_->levels(); }

@@ -34,6 +34,19 @@ Eigen::MatrixXd matrixOf(const PhaseStiffness& values, int n)
   return c;
 }
 
+// Compliance with the axis along x.
+Tensor alongX(const TransverseMaterial& m)
+{
+  Tensor s = Tensor::Zero();
+  s(0, 0) = 1 / m.youngAlong;
+  s(1, 1) = s(2, 2) = 1 / m.youngAcross;
+  s(0, 1) = s(1, 0) = s(0, 2) = s(2, 0) = -m.poissonAlong / m.youngAlong;
+  s(1, 2) = s(2, 1) = -m.poissonAcross / m.youngAcross;
+  s(3, 3) = 2 * (1 + m.poissonAcross) / m.youngAcross;
+  s(4, 4) = s(5, 5) = 1 / m.shearAlong;
+  return s;
+}
+
 } // namespace
 
 PhaseStiffness voidStiffness(Continuum continuum)
@@ -93,6 +106,17 @@ PhaseStiffness isotropicStiffness(Continuum continuum, double young, double pois
   return values;
 }
 
+std::array<std::array<double, 5>, 2> isotropicChanges(Continuum continuum, double young, double poisson)
+{
+  const bool stress = continuum == Continuum::PlaneStress;
+  const double across = stress ? 1 - poisson : 1 - 2 * poisson;
+  const double lambda = poisson / ((1 + poisson) * across);
+  const double mu = 1 / (2 * (1 + poisson));
+  const double square = (1 + poisson) * across * (1 + poisson) * across;
+  return { { { lambda, mu, 0, 0, 0 },
+    { young * (1 + (stress ? 1 : 2) * poisson * poisson) / square, -2 * young * mu * mu, 0, 0, 0 } } };
+}
+
 PhaseStiffness transverseStiffness(
   Continuum continuum, const TransverseMaterial& m, const std::array<double, 3>& direction)
 {
@@ -103,14 +127,7 @@ PhaseStiffness transverseStiffness(
     throw ParameterError(
       fmt::format("moduli of {} Pa along, {} Pa across and {} Pa in shear", m.youngAlong, m.youngAcross, m.shearAlong),
       "give all of them, above 0");
-  // compliance with the axis along x
-  Tensor s = Tensor::Zero();
-  s(0, 0) = 1 / m.youngAlong;
-  s(1, 1) = s(2, 2) = 1 / m.youngAcross;
-  s(0, 1) = s(1, 0) = s(0, 2) = s(2, 0) = -m.poissonAlong / m.youngAlong;
-  s(1, 2) = s(2, 1) = -m.poissonAcross / m.youngAcross;
-  s(3, 3) = 2 * (1 + m.poissonAcross) / m.youngAcross;
-  s(4, 4) = s(5, 5) = 1 / m.shearAlong;
+  const Tensor s = alongX(m);
   const PhaseStiffness straight = triangleOf(s.inverse());
   requireStable(Continuum::Space, straight, "a phase with an axis");
   // turned by Bond's matrix
@@ -146,6 +163,48 @@ std::array<double, 5> axialParts(int dimension, const PhaseStiffness& c)
 std::array<double, 5> axialModuli(Continuum continuum, const TransverseMaterial& material)
 {
   return axialParts(dimensionOf(continuum), transverseStiffness(continuum, material, { 1, 0, 0 }));
+}
+
+std::array<std::array<double, 5>, 5> transverseChanges(Continuum continuum, const TransverseMaterial& m)
+{
+  // how the compliance along the axis changes with each; then dC = −C dS C
+  std::array<Tensor, 5> by;
+  by.fill(Tensor::Zero());
+  const double along = 1 / m.youngAlong;
+  const double across = 1 / m.youngAcross;
+  const auto set = [](Tensor& s, int i, int j, double value) { s(i, j) = s(j, i) = value; };
+  by[0](0, 0) = -along * along;
+  set(by[0], 0, 1, m.poissonAlong * along * along);
+  set(by[0], 0, 2, m.poissonAlong * along * along);
+  by[1](1, 1) = by[1](2, 2) = -across * across;
+  set(by[1], 1, 2, m.poissonAcross * across * across);
+  by[1](3, 3) = -2 * (1 + m.poissonAcross) * across * across;
+  set(by[2], 0, 1, -along);
+  set(by[2], 0, 2, -along);
+  set(by[3], 1, 2, -across);
+  by[3](3, 3) = 2 * across;
+  by[4](4, 4) = by[4](5, 5) = -1 / (m.shearAlong * m.shearAlong);
+  const Tensor s = alongX(m);
+  const std::array<Eigen::Index, 3> in{ 0, 1, 5 };
+  std::array<std::array<double, 5>, 5> changes{};
+  for (std::size_t k = 0; k < by.size(); ++k)
+  {
+    Eigen::MatrixXd change;
+    if (continuum == Continuum::PlaneStress) // the compliance's part in the plane is the plane's
+    {
+      const Eigen::Matrix3d c = s(in, in).inverse();
+      change = -c * by[k](in, in) * c;
+    }
+    else
+    {
+      const Tensor c = s.inverse();
+      change = -c * by[k] * c;
+      if (continuum == Continuum::PlaneStrain)
+        change = Eigen::MatrixXd(change(in, in));
+    }
+    changes[k] = axialParts(dimensionOf(continuum), triangleOf(change));
+  }
+  return changes;
 }
 
 std::array<double, 2> planeExpansion(

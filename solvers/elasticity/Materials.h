@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <vector>
 
 /// Stiffness of phases from engineers' constants.
@@ -25,10 +26,21 @@ using PhaseStiffness = std::vector<double>;
 
 [[nodiscard]] PhaseStiffness voidStiffness(Continuum continuum);
 
+/// How a material changes with a number that it is told by: λ, μ, α, β, γ of ElasticKernels.h, each by that number [Pa
+/// over its unit].
+struct ModulusChange
+{
+  std::size_t number = 0; ///< place in a list of numbers of all materials
+  std::array<double, 5> moduli{};
+};
+
 /// @param young   [Pa], above 0
 /// @param poisson above −1 and below 1/2 (plane stress: 1)
 /// @throws ParameterError
 [[nodiscard]] PhaseStiffness isotropicStiffness(Continuum continuum, double young, double poisson);
+
+/// How λ, μ, α, β, γ change with Young's modulus and with Poisson's ratio, in that order.
+[[nodiscard]] std::array<std::array<double, 5>, 2> isotropicChanges(Continuum continuum, double young, double poisson);
 
 /// Of a material that is the same in all directions across an axis. Poisson's ratios: contraction across over stretch
 /// along under stress along the axis; and within the plane across it under stress in that plane.
@@ -51,7 +63,11 @@ struct TransverseMaterial
 /// @throws ParameterError as transverseStiffness()
 [[nodiscard]] std::array<double, 5> axialModuli(Continuum continuum, const TransverseMaterial& material);
 
-/// The same of a tensor with its axis along x, upper triangle in Voigt's order.
+/// How these change with each constant, in the order of TransverseMaterial.
+[[nodiscard]] std::array<std::array<double, 5>, 5> transverseChanges(
+  Continuum continuum, const TransverseMaterial& material);
+
+/// λ, μ, α, β, γ of a tensor with its axis along x, upper triangle in Voigt's order.
 [[nodiscard]] std::array<double, 5> axialParts(int dimension, const PhaseStiffness& alongX);
 
 /// Expansion in the plane, along the axis and across it, of a material whose expansion this is: in plane strain more of

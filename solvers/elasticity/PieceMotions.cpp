@@ -440,6 +440,8 @@ std::vector<std::int32_t> PieceMotions<D>::owners() const
 
 template class PieceMotions<2>;
 template class PieceMotions<3>;
+template std::vector<PieceMotions<2>::Affine> PieceMotions<2>::moments(const double*) const;
+template std::vector<PieceMotions<3>::Affine> PieceMotions<3>::moments(const double*) const;
 template std::vector<PieceMotions<2>::Affine> PieceMotions<2>::moments(const float*) const;
 template std::vector<PieceMotions<3>::Affine> PieceMotions<3>::moments(const float*) const;
 template void PieceMotions<2>::place(std::span<const Affine>, bool, int, float*) const;

@@ -53,7 +53,8 @@ void RigidPieces<D>::start(const std::array<double, 6>& strain, int threads, Rea
 }
 
 template <int D>
-void RigidPieces<D>::project(float* v, int threads) const
+template <class Real>
+void RigidPieces<D>::project(Real* v, int threads) const
 {
   std::vector<typename PieceMotions<D>::Affine> affine = motion_.moments(v);
   for (std::size_t p = 0; p < affine.size(); ++p)
@@ -62,7 +63,8 @@ void RigidPieces<D>::project(float* v, int threads) const
 }
 
 template <int D>
-std::array<double, voigtSize(D)> RigidPieces<D>::stress(const float* forces) const
+template <class Real>
+std::array<double, voigtSize(D)> RigidPieces<D>::stress(const Real* forces) const
 {
   std::array<double, voigtSize(D)> sum{};
   for (const auto& moment : motion_.moments(forces))
@@ -78,5 +80,13 @@ template void RigidPieces<2>::start(const std::array<double, 6>&, int, float*) c
 template void RigidPieces<3>::start(const std::array<double, 6>&, int, float*) const;
 template void RigidPieces<2>::start(const std::array<double, 6>&, int, double*) const;
 template void RigidPieces<3>::start(const std::array<double, 6>&, int, double*) const;
+template void RigidPieces<2>::project(float*, int) const;
+template void RigidPieces<3>::project(float*, int) const;
+template void RigidPieces<2>::project(double*, int) const;
+template void RigidPieces<3>::project(double*, int) const;
+template std::array<double, 3> RigidPieces<2>::stress(const float*) const;
+template std::array<double, 6> RigidPieces<3>::stress(const float*) const;
+template std::array<double, 3> RigidPieces<2>::stress(const double*) const;
+template std::array<double, 6> RigidPieces<3>::stress(const double*) const;
 
 } // namespace lamella::elasticity

@@ -24,9 +24,11 @@ public:
   template <class Real>
   void start(const std::array<double, 6>& strain, int threads, Real* u) const;
   /// v becomes Z (Zᵀ Z)⁻¹ Zᵀ v on the pieces' nodes.
-  void project(float* v, int threads) const;
+  template <class Real>
+  void project(Real* v, int threads) const;
   /// Σ −f ⊗ d of forces f that hold the pieces' nodes, symmetric part, Voigt's order: what the pieces' stresses sum to.
-  [[nodiscard]] std::array<double, voigtSize(D)> stress(const float* forces) const;
+  template <class Real>
+  [[nodiscard]] std::array<double, voigtSize(D)> stress(const Real* forces) const;
 
 private:
   PieceMotions<D> motion_;

@@ -13,6 +13,8 @@ namespace lamella::elasticity
 namespace
 {
 
+constexpr double smallChange = 1e-4; // of a modulus, for differences of what a laminate has
+constexpr double smallest = 1e-12;
 constexpr double flat = 1e-3; // change of the share over two voxels below which it has no direction
 
 bool isVoid(const VoxelMaterial& m)
@@ -91,7 +93,41 @@ VoxelMaterial thinned(VoxelMaterial m, double share)
     c *= share;
   for (double& c : m.axial)
     c *= share;
+  for (ModulusChange& change : m.changes)
+    for (double& c : change.moduli)
+      c *= share;
   return m;
+}
+
+// Of a laminate, with each number of either layer: by differences, of fourth order, of what is rational in the moduli.
+std::vector<ModulusChange> laminateChanges(
+  const VoxelMaterial& low, const VoxelMaterial& high, double share, int dimension)
+{
+  std::vector<ModulusChange> changes;
+  for (const bool second : { false, true })
+    for (const ModulusChange& own : (second ? high : low).changes)
+    {
+      const Lame a = lameOf(low, dimension);
+      const Lame b = lameOf(high, dimension);
+      const Lame& moved = second ? b : a;
+      const double step = smallChange * (moved.lambda + 2 * moved.mu) /
+        std::max({ std::abs(own.moduli[0] + 2 * own.moduli[1]), std::abs(own.moduli[1]), moved.mu * smallest });
+      const auto at = [&](double steps)
+      {
+        Lame there = moved;
+        there.lambda += steps * step * own.moduli[0];
+        there.mu += steps * step * own.moduli[1];
+        return laminate(second ? a : there, second ? there : b, share, dimension).axial;
+      };
+      const auto more = at(1);
+      const auto less = at(-1);
+      const auto most = at(2);
+      const auto least = at(-2);
+      ModulusChange& change = changes.emplace_back(ModulusChange{ own.number, {} });
+      for (std::size_t k = 0; k < change.moduli.size(); ++k)
+        change.moduli[k] = (8 * (more[k] - less[k]) - (most[k] - least[k])) / (12 * step);
+    }
+  return changes;
 }
 
 } // namespace
@@ -110,11 +146,15 @@ std::vector<VoxelMaterial> sharedMaterials(
       "take isotropic ones, or one solid and a void, or whole voxels");
   std::vector<VoxelMaterial> materials;
   for (const double share : shares)
+  {
     materials.push_back(share <= 0 ? low
         : share >= 1               ? high
         : solids                   ? laminate(lameOf(low, dimension), lameOf(high, dimension), share, dimension)
         : isVoid(low)              ? thinned(high, share)
                                    : thinned(low, 1 - share));
+    if (solids && share > 0 && share < 1)
+      materials.back().changes = laminateChanges(low, high, share, dimension);
+  }
   return materials;
 }
 

@@ -133,6 +133,8 @@ public:
       ElasticLaw<D>& law = laws_.emplace_back();
       law.rigid = material.rigid;
       law.axial = material.axial;
+      if (options.numbers > 0)
+        law.changes = material.changes;
       if (!law.rigid && !law.turns() && material.stiffness.size() == law.stiffness.size())
         std::copy(material.stiffness.begin(), material.stiffness.end(), law.stiffness.begin());
       isVoid_.push_back(law.isVoid() && !law.turns());
@@ -170,7 +172,7 @@ public:
     requireSides();
     if (options_.tensor)
     {
-      const Solved cell = solve(lattice_, phase_, axis_, solid, progressOf(0, own, all), all_);
+      const Solved cell = solve(lattice_, phase_, axis_, solid, progressOf(0, own, all), all_, options_.numbers);
       if (cell.step.stiffness.empty())
         throw NoPathError(
           "the solid leads across the box along no axis", "take another window, or make it less porous");
@@ -217,6 +219,8 @@ private:
     Eigen::MatrixXd tensor;   ///< as solved
     std::vector<double> held; ///< mean stress of the box that expands by a unit and is not let
     std::array<double, n * n> voigt{};
+    std::vector<std::vector<double>> changes;
+    double changeSeconds = 0;
     double solverError = 0;
     std::size_t levels = 0;
     double setupSeconds = 0;
@@ -383,24 +387,24 @@ private:
     { return !options_.progress || options_.progress((from + length * share) / all); };
   }
 
-  // In single precision, and where that does not end, in double.
+  // In single precision, and where that does not end, in double. @param numbers to tell changes by
   Solved solve(const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid,
-    const Progress& progress, const Crew& crew) const
+    const Progress& progress, const Crew& crew, std::size_t numbers = 0) const
   {
     try
     {
-      return solve(lattice, phase, axis, solid, progress, crew, options_.tolerance < finestSingle);
+      return solve(lattice, phase, axis, solid, progress, crew, numbers, options_.tolerance < finestSingle);
     }
     catch (const DivergenceError&)
     {
       if (options_.tolerance < finestSingle)
         throw;
     }
-    return solve(lattice, phase, axis, solid, progress, crew, true);
+    return solve(lattice, phase, axis, solid, progress, crew, numbers, true);
   }
 
   Solved solve(const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid,
-    const Progress& progress, const Crew& crew, bool exact) const
+    const Progress& progress, const Crew& crew, std::size_t numbers, bool exact) const
   {
     const double start = seconds();
     Solved s;
@@ -418,7 +422,8 @@ private:
     ElasticOptions settings = solverOptions([&](double done) { return progress((load + done) / loads); });
     settings.fields = exact;
     Solver solver(std::move(problem), settings);
-    double doubt = 0; // [Pa]
+    double doubt = 0;                                     // [Pa]
+    std::vector<typename ElasticSystem<D>::Field> fields; // for changes
     const auto count = [&](const ElasticResult<D>& result)
     {
       s.step.iterations.push_back(result.iterations);
@@ -444,6 +449,12 @@ private:
         else if (!between(options_.sides) || k == load)
           s.tensor(k, load) = result.stress[static_cast<std::size_t>(k)];
       count(result);
+      if (numbers > 0)
+      {
+        const double copying = seconds();
+        fields.push_back(system.field(unit));
+        s.changeSeconds += seconds() - copying;
+      }
     }
     if (expands_ && !between(options_.sides))
     {
@@ -466,7 +477,7 @@ private:
     const double found = s.tensor.diagonal().maxCoeff();
     const bool strains = options_.sides != StiffnessSides::UniformStress;
     if (!exact && (!(found > soft * most) || (strains && doubt > poor * found)))
-      return solve(lattice, phase, axis, solid, progress, crew, true);
+      return solve(lattice, phase, axis, solid, progress, crew, numbers, true);
     if (exact && strains && found > none * most && doubt > lost * found)
       throw DivergenceError(
         fmt::format("iterations leave {:.1g} of the stiffness: the phases' contrast is more than numbers can tell",
@@ -483,9 +494,45 @@ private:
           if (k != l && (k >= D || l >= D))
             s.tensor(k, l) = 0;
     s.step.seconds = seconds() - start;
+    if (numbers > 0)
+      tellChanges(s, solver.system(), fields, numbers);
+    for (const auto& field : fields)
+      s.bytes += crew.ranks.sum(static_cast<double>(field.bytes()));
     const Eigen::MatrixXd even = 0.5 * (s.tensor + s.tensor.transpose());
     s.step.stiffness.assign(even.data(), even.data() + n * n);
     return s;
+  }
+
+  // Of s.tensor, by each number. @param fields one a load
+  void tellChanges(Solved& s, const ElasticSystem<D>& system,
+    const std::vector<typename ElasticSystem<D>::Field>& fields, std::size_t numbers) const
+  {
+    const double start = seconds();
+    std::vector<Eigen::MatrixXd> by(numbers, Eigen::MatrixXd::Zero(n, n));
+    if (between(options_.sides)) // each for itself
+      for (int k = 0; k < D; ++k)
+      {
+        const std::vector<double> own =
+          system.changes(std::span(fields).subspan(static_cast<std::size_t>(k), 1), numbers);
+        for (std::size_t p = 0; p < numbers; ++p)
+          by[p](k, k) = own[p];
+      }
+    else
+    {
+      const std::vector<double> all = system.changes(fields, numbers);
+      for (std::size_t p = 0; p < numbers; ++p)
+        for (int i = 0; i < n; ++i)
+          for (int j = 0; j < n; ++j)
+            if (options_.sides != StiffnessSides::Straight || i == j || (i < D && j < D)) // as the tensor
+              by[p](i, j) = all[p * pairsOf(n) + static_cast<std::size_t>(triangle(n, i, j))];
+    }
+    for (Eigen::MatrixXd& change : by)
+    {
+      if (options_.sides == StiffnessSides::UniformStress) // of the compliance it is −change
+        change = (s.tensor * change * s.tensor / (system.scale() * system.scale())).eval();
+      s.changes.emplace_back(change.data(), change.data() + n * n);
+    }
+    s.changeSeconds += seconds() - start;
   }
 
   template <class Progress>
@@ -580,6 +627,8 @@ private:
     loaded.energy = result.energy;
     loaded.solverError = result.solverError;
     loaded.iterations = result.iterations;
+    if (options_.numbers > 0 && !options_.tensor && !changes)
+      loaded.changes = system.changes(std::array{ system.field(load) }, options_.numbers);
     if (options_.fields)
     {
       // stresses of the material: what pulls at the faces is none
@@ -745,6 +794,10 @@ private:
       r.expansion.assign(free.data(), free.data() + n);
     }
     r.constants = elasticConstants(r.stiffness, D, leastStiffness(options_.tolerance));
+    r.changes = cell.changes;
+    for (const std::vector<double>& change : r.changes)
+      r.constantChanges.push_back(constantChanges(r.stiffness, change, D, leastStiffness(options_.tolerance)));
+    r.changeSeconds = cell.changeSeconds;
     r.steps.push_back(cell.step);
     r.levels = cell.levels;
     r.setupSeconds = cell.setupSeconds;
@@ -1079,7 +1132,9 @@ double voxelStiffnessBytes(const Lattice& lattice, const VoxelKinds& kinds)
   // rows of coarse levels have spare values behind them
   const double moduli = kind * (1 + 2 * static_cast<double>(spareValues) / static_cast<double>(lattice.size[0]));
   const double children = d == 3 ? 7 : 3; // levels are 1/8 + 1/64 + … of the finest, or 1/4 + …
-  const double shared = nodes * ((kinds.fields ? 20.0 : 16.0) * d + 4 * (2 * d + moduli) / children) +
+  const double shared = nodes *
+      (((kinds.fields ? 20.0 : 16.0) + (kinds.changes ? 4.0 * voigtSize(d) : 0.0)) * d +
+        4 * (2 * d + moduli) / children) +
     (d == 2 && !kinds.isotropic ? 4.0 * kind : 0.0) * static_cast<double>(lattice.count());
   return shared / kinds.ranks + (kinds.turns ? 15.0 : 3.0) * static_cast<double>(lattice.count());
 }
@@ -1133,6 +1188,7 @@ VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::
   bool deforms = false;
   VoxelKinds kinds;
   kinds.fields = static_cast<bool>(options.fields);
+  kinds.changes = options.numbers > 0 && options.tensor;
   for (std::size_t id = 0; id < present.size(); ++id)
   {
     if (id < materials.size())
@@ -1140,6 +1196,10 @@ VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::
       const VoxelMaterial& m = materials[id];
       const bool turns = std::ranges::any_of(m.axial, [](double c) { return c != 0; });
       const std::size_t numbers = turns ? 2 : n;
+      if (options.numbers > 0 &&
+        std::ranges::any_of(m.changes, [&](const ModulusChange& c) { return c.number >= options.numbers; }))
+        throw ParameterError(
+          fmt::format("a change of phase {} by a number that is none of {}", id, options.numbers), "count them from 0");
       if ((!m.expansion.empty() && m.expansion.size() != numbers) ||
         !std::ranges::all_of(m.expansion, [](double e) { return std::isfinite(e); }))
         throw ParameterError(fmt::format("an expansion of {} numbers of phase {}", m.expansion.size(), id),

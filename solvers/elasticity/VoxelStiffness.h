@@ -44,6 +44,7 @@ struct VoxelMaterial
   /// Strain that it takes when nothing holds it, of a unit of temperature or moisture: Voigt's order, shears as angles;
   /// of a phase with an axis along it and across it. Empty: none.
   std::vector<double> expansion;
+  std::vector<ModulusChange> changes{}; ///< with each number it is told by; of one that is isotropic or has an axis
 };
 
 /// A macroscopic load. Components in Voigt's order, NaN where they are not given: what neither names has no strain, but
@@ -65,6 +66,9 @@ struct VoxelStiffnessOptions
 {
   StiffnessSides sides = StiffnessSides::Periodic;
   bool tensor = true; ///< without it only a load is solved for, whose strains are all given
+  /// How many numbers the materials' `changes` are by: how the tensor changes with them, from the fields of its solves,
+  /// which are all kept till the end (voigtSize of them, 4 bytes a component and node). 0: not wanted.
+  std::size_t numbers = 0;
   /// Of voxels that two phases share (SharedVoxels.h): by phase id the share of the second. Axes of phases that have
   /// some then lead across the surface, unless they are given, and coarser pictures are means. Empty: whole voxels.
   std::vector<double> shares;
@@ -93,6 +97,9 @@ struct VoxelLoaded
   double solverError = 0;
   int iterations = 0;
   double seconds = 0;
+  /// ∂ energy / ∂ number at that strain [Pa over the number's unit]; where the tensor was not solved for, and nothing
+  /// expands.
+  std::vector<double> changes;
 };
 
 struct VoxelStiffness
@@ -108,6 +115,13 @@ struct VoxelStiffness
   double asymmetry = 0;   ///< of the tensor as solved, over the largest component
   double solverError = 0; ///< of the energies, relative: the largest
   ElasticConstants constants;
+  /// By number ∂ stiffness / ∂ number, as `stiffness` [Pa over the number's unit]: by Hill's lemma the mean of
+  /// ε_i : ∂C/∂number : ε_j over the fields of the unit strains, which to first order stay (of uniform stress the same
+  /// of its inverse). Of the elements as they are integrated, so that differences of solves come to the same, where λ
+  /// is 2 μ that from above. As exact as the fields: the root of `tolerance`. 0 of phases that count as rigid.
+  std::vector<std::vector<double>> changes;
+  std::vector<std::vector<double>> constantChanges; ///< the same of constantValues()
+  double changeSeconds = 0; ///< for these, copies of the fields included
   StiffnessError error;
   std::vector<StiffnessStep> steps; ///< every solve, in order
   /// Of the diagonal's components, "xx" ..., and of the constants, by their names; without those that some window does
@@ -132,6 +146,7 @@ struct VoxelKinds
   bool isotropic = true; ///< all phases are
   bool turns = false;    ///< some follow axes
   bool fields = false;
+  bool changes = false;
   int ranks = 1; ///< that share out the nodes; phases and axes each of them has
 };
 /// Bytes that a box takes of a rank, phases and axes included.

@@ -51,6 +51,7 @@ std::vector<statistics::WindowError> stiffnessWindows(const Lattice& lattice, st
   own.sides = StiffnessSides::Straight;
   own.load.reset();
   own.fields = {};
+  own.numbers = 0;
   own.estimateError = false;
   own.windowError = false;
   own.nodesPerPixel = 1;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace lamella::lbm
 {
@@ -26,18 +27,21 @@ BoxField::BoxField(const Problem& problem)
 
 void BoxField::setLinearProfile()
 {
-  const int axis = problem_.axis;
-  const double n = static_cast<double>(problem_.lattice.size[axis]);
   for (std::int64_t z = 0; z < block_.size[2]; ++z)
     for (std::int64_t y = 0; y < block_.size[1]; ++y)
-    {
-      double* u = rowValues(y, z);
-      for (std::int64_t x = 0; x < block_.size[0]; ++x)
-      {
-        const std::int64_t p = axis == 0 ? x : axis == 1 ? y + block_.start[1] : z + block_.start[2];
-        u[x] = problem_.options.sides == Sides::Periodic ? 0.0 : 1.0 - (static_cast<double>(p) + 0.5) / n;
-      }
-    }
+      setLinearProfile(y, z);
+}
+
+void BoxField::setLinearProfile(std::int64_t y, std::int64_t z)
+{
+  const int axis = problem_.axis;
+  const double n = static_cast<double>(problem_.lattice.size[axis]);
+  double* u = rowValues(y, z);
+  for (std::int64_t x = 0; x < block_.size[0]; ++x)
+  {
+    const std::int64_t p = axis == 0 ? x : axis == 1 ? y + block_.start[1] : z + block_.start[2];
+    u[x] = problem_.options.sides == Sides::Periodic ? 0.0 : 1.0 - (static_cast<double>(p) + 0.5) / n;
+  }
 }
 
 void BoxField::fillGhosts()
@@ -56,6 +60,21 @@ void BoxField::fillGhosts()
 // f(x, conductance, value here less value there) for every link of a row in one direction.
 template <class F>
 void BoxField::rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& f) const
+{
+  rowLinks(
+    y, z, d, f,
+    [&](std::int64_t first, std::int64_t last, double w, double jump, const double* u, const double* v,
+      const std::uint8_t* a, const std::uint8_t* b)
+    {
+      for (std::int64_t x = first; x < last; ++x)
+        f(x, w * links_.mean(a[x], b[x]), u[x] - v[x] + jump);
+    });
+}
+
+// The same, but for the links between the ends of rows, that have one weight w and follow each other:
+// run(first, last, w, jump, values here, values there, ids here, ids there), where values fall by `jump` more.
+template <class F, class Run>
+void BoxField::rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& f, Run&& run) const
 {
   const std::int64_t nx = block_.size[0];
   const std::array<std::int64_t, 3> p{ nx / 2, y + block_.start[1], z + block_.start[2] };
@@ -98,8 +117,7 @@ void BoxField::rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& 
   const double* v = u_.data() + halo_.row(y + d.y, z + d.z) * stride_ + 1 + d.x;
   const std::uint8_t* a = rowPhase(y, z);
   const std::uint8_t* b = rowPhase(y + d.y, z + d.z) + d.x;
-  for (std::int64_t x = 1; x < nx - 1; ++x)
-    f(x, w * links_.mean(a[x], b[x]), u[x] - v[x] + jump);
+  run(1, nx - 1, w, jump, u, v, a, b);
 }
 
 std::size_t BoxField::planeCount() const noexcept
@@ -348,13 +366,43 @@ std::vector<double> BoxField::linkEnergies() const
       for (const Direction& d : links_.forward())
       {
         const std::uint8_t* const there = rowPhase(y + d.y, z + d.z);
-        rowLinks(y, z, d,
+        const auto add = [&](std::int64_t x, std::uint8_t a, std::uint8_t b, double energy)
+        { lanes[static_cast<std::size_t>(x % energyLanes) * pairs + ids * a + b] += energy; };
+        rowLinks(
+          y, z, d,
           [&](std::int64_t x, double g, double du)
           {
             if (!(g > 0) || std::isnan(du))
               return;
             const std::int64_t other = x + d.x < 0 ? x + d.x + nx : x + d.x >= nx ? x + d.x - nx : x + d.x;
-            lanes[static_cast<std::size_t>(x % energyLanes) * pairs + ids * here[x] + there[other]] += g * du * du;
+            add(x, here[x], there[other], g * du * du);
+          },
+          [&](std::int64_t first, std::int64_t last, double w, double jump, const double* u, const double* v,
+            const std::uint8_t* a, const std::uint8_t* b)
+          {
+            std::int64_t x = first;
+            for (; x + 4 <= last; x += 4) // four at a time, most of which have the same ids at their ends
+            {
+              std::array<double, 4> squares{};
+              for (int i = 0; i < 4; ++i)
+              {
+                const double du = u[x + i] - v[x + i] + jump;
+                squares[static_cast<std::size_t>(i)] = w * du * du;
+              }
+              const double four = (squares[0] + squares[1]) + (squares[2] + squares[3]);
+              std::array<std::uint32_t, 2> words{};
+              std::memcpy(&words[0], a + x, 4);
+              std::memcpy(&words[1], b + x, 4);
+              if (words[0] == 0x01010101U * a[x] && words[1] == 0x01010101U * b[x] && !std::isnan(four))
+                add(x / 4, a[x], b[x], links_.mean(a[x], b[x]) * four);
+              else
+                for (int i = 0; i < 4; ++i)
+                  if (const double square = squares[static_cast<std::size_t>(i)]; !std::isnan(square))
+                    add(x + i, a[x + i], b[x + i], links_.mean(a[x + i], b[x + i]) * square);
+            }
+            for (; x < last; ++x)
+              if (const double du = u[x] - v[x] + jump; !std::isnan(du))
+                add(x, a[x], b[x], w * links_.mean(a[x], b[x]) * du * du);
           });
       }
       if (problem_.options.sides == Sides::Periodic)

@@ -26,6 +26,7 @@ public:
   }
   /// Linear from 1 to 0 between fixed faces, 0 in a periodic cell.
   void setLinearProfile();
+  void setLinearProfile(std::int64_t y, std::int64_t z); ///< of a row
 
   /// Receives b − A u of one row: nx values.
   using RowSink = std::function<void(std::int64_t y, std::int64_t z, const double* residual)>;
@@ -55,6 +56,8 @@ private:
   void addToPlanes(std::int64_t y, std::int64_t z, PlaneSums& planes) const;
   template <class F>
   void rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& f) const;
+  template <class F, class Run>
+  void rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& f, Run&& run) const;
 
   Problem problem_;
   Block block_;

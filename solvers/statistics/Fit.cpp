@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <tuple>
 #include <utility>
 
 namespace lamella::statistics
@@ -28,7 +29,9 @@ constexpr double mostDamping = 1e8;
 constexpr double farOff = 3;            // standard deviations
 constexpr double leastCurvature = 1e-9; // of the largest one
 constexpr double smallStep = 0.05;      // of a measurement's standard deviation: no more steps are worth it
-constexpr double farDifferences = 0.3;  // of a logarithm: made anew at the end where they are from farther away
+constexpr int mostHalvings = 10;
+constexpr double watched = 0.05;       // damping below which a step that went up is followed by one more
+constexpr double farDifferences = 0.3; // of a logarithm: made anew at the end where they are from farther away
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
@@ -69,6 +72,13 @@ public:
     if (!told_)
       differences(x, here);
     double damping = 1e-3;
+    std::optional<std::pair<VectorXd, Point>> before; // from where a step went up that is followed all the same
+    const auto refuse = [&]
+    {
+      if (before)
+        std::tie(x, here) = *std::exchange(before, std::nullopt);
+      damping = std::max(30 * damping, 0.1);
+    };
     for (;;)
     {
       const MatrixXd normal = here.jacobian.transpose() * here.jacobian;
@@ -78,30 +88,53 @@ public:
       VectorXd step = damped.ldlt().solve(-here.jacobian.transpose() * here.rest);
       const bool cut = step.cwiseAbs().maxCoeff() > mostStep;
       step = step.cwiseMax(-mostStep).cwiseMin(mostStep); // what hardly matters may want to go far
-      const VectorXd next = x + step;
-      requireNear(next, x, here);
+      VectorXd next = x + step;
       const bool settled = damping < 1 && !cut &&
         (step.cwiseAbs().maxCoeff() <= options_.tolerance || (here.jacobian * step).cwiseAbs().maxCoeff() <= smallStep);
+      if (before && (settled || (next - start_).cwiseAbs().maxCoeff() > farthest)) // nowhere better
+      {
+        refuse();
+        continue;
+      }
+      requireNear(next, x, here);
       if (settled || damping > mostDamping) // or as far as it goes
       {
         if (!told_ && (x - madeAt).cwiseAbs().maxCoeff() > farDifferences)
           differences(x, here);
-        if (settled)
+        if (settled && !edge_)
           take(step, x, here);
         break;
       }
       std::optional<Point> there = tried(next);
+      bool shorter = false; // to where the model goes
+      for (int half = 0; half < mostHalvings && !there; ++half, shorter = true)
+      {
+        step *= 0.5;
+        next = x + step;
+        there = tried(next);
+      }
       if (there && !told_) // Broyden
         there->jacobian =
           here.jacobian + (there->rest - here.rest - here.jacobian * step) * step.transpose() / step.squaredNorm();
-      if (there && there->rest.squaredNorm() <= here.rest.squaredNorm() * (1 + leastFall))
+      const Point& best = before ? before->second : here;
+      if (there && there->rest.squaredNorm() <= best.rest.squaredNorm() * (1 + leastFall))
       {
+        const bool little = shorter && (here.jacobian * step).cwiseAbs().maxCoeff() <= smallStep;
+        before.reset();
         x = next;
         here = *std::move(there);
         damping = std::max(damping / 10, 1e-9);
+        if (little) // the rest is beyond
+          break;
         continue;
       }
-      damping = std::max(30 * damping, 0.1);
+      // along a valley that bends the next step finds back, by the derivatives there
+      if (there && told_ && !before && damping < watched)
+      {
+        before.emplace(std::exchange(x, next), std::exchange(here, *std::move(there)));
+        continue;
+      }
+      refuse();
       if (there && !told_ && (x - madeAt).cwiseAbs().maxCoeff() > 0)
       {
         differences(x, here);
@@ -179,6 +212,7 @@ private:
     }
     catch (const ParameterError&)
     {
+      edge_ = true;
       return std::nullopt;
     }
   }
@@ -318,6 +352,7 @@ private:
   VectorXd start_; ///< logarithms
   int evaluations_ = 0;
   bool told_ = false; ///< derivatives, by the model
+  bool edge_ = false; ///< it could not have some parameters: not a step farther than it was asked
 };
 
 } // namespace

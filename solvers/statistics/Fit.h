@@ -68,9 +68,12 @@ struct FitResult
 
 /// Parameters that fit measurements best, by least squares: Gauss–Newton with Levenberg's damping in the parameters'
 /// logarithms, on the model's derivatives, or where it tells none on differences that Broyden's updates keep (Nocedal &
-/// Wright, Numerical Optimization, 2006, chapters 10 and 11), made anew at the end.
+/// Wright, Numerical Optimization, 2006, chapters 10 and 11), made anew at the end. With derivatives a step that went
+/// up is followed by one more, and both are taken back where that is no better (a watchdog: Chamberlain, Powell,
+/// Lemarechal & Pedersen, Math. Program. Study 16 (1982) 1).
 ///
-/// Intervals are those of the model made linear there. Where `model` throws a ParameterError a step was too long.
+/// Intervals are those of the model made linear there. Where `model` throws a ParameterError a step was too long, and
+/// half of it is tried: what fits best may lie where the model ends.
 ///
 /// @throws ParameterError: fewer measurements than parameters, values not finite or not positive; InputError where the
 ///   measurements do not tell a parameter (its interval would span more than two decades), with its name and the

@@ -52,6 +52,22 @@ class Fit(Case):
         self.assertTrue(young["low"] < young["low_by_measurement"] < 8e9 < young["high_by_measurement"] < young["high"])
         self.assertLessEqual(found["solves"], 10)
 
+    def test_two_moduli(self):
+        # of walls along and across in one, of two phases in the other, in few solves
+        self.works("generate", "softwood", "--size", "90,80", "--seed", "3", "-o", "labels.png")
+        self.works("micrograph", "labels.png", "--lamella", "none", "-o", "wood.vti")
+        for name, truths, more in (("wood.vti", {"young:wall": 8e9, "young-across:wall": 3e9}, ("--shear", "wall=2e9")),
+                                   (self.tissue(), {"young:wall": 8e9, "young:lumen": 4e8}, ())):
+            material = [word for key, value in truths.items() for word in (f"--{key.split(':')[0]}", f"{key.split(':')[1]}={value!r}")]
+            made = self.works("stiffness", name, *material, *more, "--no-error-estimate", "--json").json()["constants"]
+            measured = [word for key in ("E_x", "E_y") for word in ("--measured", f"{key}={made[key]['value']!r}±{0.005 * made[key]['value']!r}")]
+            unknown = [word for key in truths for word in ("--unknown", key + ("=3e8" if key == "young:lumen" else ""))]
+            found = self.works("fit", "stiffness", name, *unknown, *measured, *more, "--no-error-estimate", "--json").json()
+            for key, truth in truths.items():
+                self.assertAlmostEqual(found["unknown"][key]["value"] / truth, 1, delta=0.02)
+            self.assertLessEqual(found["solves"], 10)
+        self.fails(2, "'8e9±1e8' is not a number", "--young", "fit", "stiffness", "wood.vti", "--young", "wall=8e9±1e8", "--unknown", "shear:wall", "--measured", "E_x=1e9±1e8")
+
     def test_what_is_not_told(self):
         name = self.tissue()
         words = ["fit", "diffusion", name]

@@ -2,6 +2,7 @@
 
 import csv
 import json
+import math
 import unittest
 
 import pictures
@@ -72,6 +73,65 @@ class Stiffness(Case):
         # held: each layer is as stiff as itself along x
         self.assertAlmostEqual(warm["load"]["stress"][0] / (-10 * (4e-5 * 1e9 + 1e-5 * 4e9) / 2), 1, places=5)
         self.assertAlmostEqual(warm["expansion"][1] / 2.5e-5, 1, places=5)
+
+    def test_what_constants_leave(self):
+        # in series 1.6e9: 1/E = (1/1e9 + 1/4e9) / 2, so that dE/E = (E/2e9) dE1/E1 + (E/8e9) dE2/E2
+        words = [*LAYERS[:6], "--young", "soft=1e9±1e8,hard=4GPa+-0.2GPa", "--poisson", "soft=0,hard=0"]
+        found = self.works(*words, "--json").json()
+        for name, soft, hard in (("E_y", 0.8, 0.2), ("E_x", 0.2, 0.8), ("G_xy", 0.8, 0.2)):
+            relative = found["relative_sensitivity"][name]
+            self.assertAlmostEqual(relative["young:soft"], soft, delta=1e-5)
+            self.assertAlmostEqual(relative["young:hard"], hard, delta=1e-5)
+            value = found["constants"][name]["value"]
+            self.assertAlmostEqual(found["sensitivity"][name]["young:soft"] * 1e9 / value, relative["young:soft"], places=12)
+            inputs = math.hypot(0.1 * soft, 0.05 * hard)
+            self.assertAlmostEqual(found["input_errors"][name], inputs, delta=1e-6)
+            self.assertAlmostEqual(found["total_errors"][name], math.hypot(inputs, found["constants"][name]["estimated_error"] / value), delta=1e-6)
+        self.assertEqual(found["materials"]["hard"]["young_uncertainty"], 2e8)
+        text = self.works(*words).out
+        for line in ("1 % more of a phase's constant changes the box's by", "the constants' uncertainty leaves", "in all, of what was asked for", "half of it takes less of "):
+            self.assertIn(line, text)
+        plain = self.works(*LAYERS, "--json").json()
+        self.assertEqual([plain[key] for key in ("sensitivity", "relative_sensitivity", "input_errors", "total_errors")], [None] * 4)
+        alone = self.works(*LAYERS, "--sensitivity", "--no-error-estimate", "--json", ranks=2).json()
+        self.assertEqual(alone["sensitivity"], found["sensitivity"])
+        self.assertEqual((alone["input_errors"], alone["total_errors"]), (None, None))
+        # a scene
+        self.write("s.toml", '[sample]\ngenerate = "laminate"\nsize = [32, 32]\naxis = "y"\ncells = 1\n[stiffness]\nyoung = { matrix = "1e9±1e8", inclusion = 4e9 }\n'
+                   'poisson = { matrix = 0, inclusion = 0 }\n[measure]\nby = "stiffness.relative_sensitivity.E_y.young:matrix"\ninputs = "stiffness.input_errors.E_y"\n')
+        self.works("run", "s.toml")
+        with open(self.path("s.results/table.csv"), encoding="utf-8") as file:
+            row = next(csv.DictReader(file))
+        self.assertAlmostEqual(float(row["by"]), 0.8, delta=1e-5)
+        self.assertAlmostEqual(float(row["inputs"]), 0.08, delta=1e-5)
+        # the energy of a load: in parallel
+        load = self.works(*words, "--mean-strain", "xx=0.01", "--no-tensor", "--no-stress", "--json").json()
+        self.assertAlmostEqual(load["relative_sensitivity"]["energy"]["young:hard"], 0.8, delta=1e-5)
+        self.write("block.png", pictures.png([[255 if 8 <= x < 24 and 8 <= y < 24 else 0 for x in range(32)] for y in range(32)]))
+        rigid = self.works("stiffness", "block.png", *LAYERS[2:6], "--young", "soft=1e9±1e8", "--rigid", "hard")
+        self.assertIn("not told of 'hard', which is rigid", rigid.out)
+        self.fails(2, "'wide' is not a number", "--young PHASE=VALUE", *LAYERS[:6], "--young", "soft=1e9±wide")
+        self.fails(2, "uncertainty of the Young's modulus of 'soft' is -1", "0 or more", *words[:6], "--young", "soft=1e9±-1,hard=1e9")
+
+    def test_constants_along_and_across(self):
+        # the shear modulus follows from the others where none is given
+        self.works("generate", "softwood", "--size", "60,50", "--seed", "3", "-o", "labels.png")
+        self.works("micrograph", "labels.png", "--lamella", "none", "-o", "wood.vti")
+        given = {"young": 8e9, "young-across": 5e9, "poisson": 0.3, "poisson-across": 0.25}
+
+        def solve(*more, **changed):
+            constants = {**given, **{name.replace("_", "-"): value for name, value in changed.items()}}
+            words = [word for name, value in constants.items() for word in (f"--{name}", f"wall={value!r}")]
+            return self.works("stiffness", "wood.vti", *words, "--no-error-estimate", "--tolerance", "1e-11", "--json", *more).json()
+
+        found = solve("--sensitivity")
+        value, by = found["constants"]["E_x"]["value"], found["sensitivity"]["E_x"]
+        self.assertEqual([name.removesuffix(":wall") for name in by], list(given))
+        for name, number in given.items():
+            step = 1e-3 * number
+            more, less = (solve(**{name.replace("-", "_"): number + side * step})["constants"]["E_x"]["value"] for side in (1, -1))
+            self.assertAlmostEqual(by[name + ":wall"] * number / value, (more - less) / (2 * step) * number / value, delta=1e-5)
+        self.assertIn("shear:wall", solve("--sensitivity", shear=2e9)["sensitivity"]["E_x"])
 
     def test_a_field_of_diffusion_expands(self):
         self.works("diffusion", "layers.png", "--phase", "0=soft", "--phase", "255=hard", "--conductivity", "soft=1,hard=1", "--direction", "x",

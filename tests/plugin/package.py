@@ -1007,6 +1007,20 @@ class Bonds(unittest.TestCase):
         with self.assertRaises(lamella.Cancelled):
             lamella.fracture(sample, young, **breaks, progress=lambda share, text: False)
 
+    def test_what_constants_leave(self):
+        layers = lamella.laminate(size=(32, 32), axis="y", cells=1)
+        words = {"young": {"matrix": 1e9, "inclusion": 4e9}, "poisson": {"matrix": 0, "inclusion": 0}}
+        found = lamella.stiffness(layers, **words, young_uncertainty={"matrix": 1e8})
+        # in series 1/E = (1/1e9 + 1/4e9) / 2
+        self.assertAlmostEqual(found.relative_sensitivity["E_y"]["young:matrix"], 0.8, places=5)
+        self.assertAlmostEqual(found.sensitivity["E_x"]["young:inclusion"], 0.5, places=5)
+        self.assertAlmostEqual(found.input_errors["E_y"] / found.constants["E_y"], 0.08, places=5)
+        self.assertAlmostEqual(found.total_errors["E_y"], np.hypot(found.input_errors["E_y"], found.constants_errors["E_y"]))
+        plain = lamella.stiffness(layers, **words, estimate_error=False)
+        self.assertEqual((plain.sensitivity, plain.relative_sensitivity, plain.input_errors, plain.total_errors), ({}, {}, {}, {}))
+        with self.assertRaisesRegex(lamella.ParameterError, "uncertainty of its Poisson's ratio, and no such number"):
+            lamella.stiffness(layers, words["young"], poisson_uncertainty={"matrix": 0.1})
+
     def test_bond_stiffness(self):
         layers = lamella.laminate(size=(32, 32), axis="y", cells=1)
         young = {"matrix": 1e9, "inclusion": 4e9}

@@ -95,6 +95,42 @@ TEST(Fit, IntervalsHold)
   EXPECT_NEAR(chances / static_cast<double>(times), 0.1, 3 * std::sqrt(0.1 * 0.9 / times));
 }
 
+// Of a valley that bends, as of walls that stretch and bend: a step that goes up finds back by the next one.
+TEST(Fit, FollowsABentValley)
+{
+  const auto bent = [](std::span<const double> k)
+  {
+    // along and across in series and in parallel, with a share of each that is small
+    const double a = k[0];
+    const double b = k[1];
+    const double half = 1 / (1 / a + 0.2 / b);
+    const double most = 1 / (1 / a + 0.05 / b);
+    return FitEvaluation{ { half, most },
+      { half * half / (a * a), 0.2 * half * half / (b * b), most * most / (a * a), 0.05 * most * most / (b * b) } };
+  };
+  const FitEvaluation truth = bent(std::vector{ 1.5, 0.2 });
+  const std::vector<FitMeasurement> measured{ { "x", truth.values[0], 0.04 * truth.values[0] },
+    { "y", truth.values[1], 0.04 * truth.values[1] } };
+  const FitResult r = fit({ { "along", 1.3, true }, { "across", 1.3, true } }, measured, bent);
+  EXPECT_NEAR(r.parameters[0].value, 1.5, 0.01);
+  EXPECT_NEAR(r.parameters[1].value, 0.2, 0.01);
+  EXPECT_LE(r.evaluations, 8);
+}
+
+// What fits best lies where the model ends: it is never asked beyond, nor is anything told of there.
+TEST(Fit, StaysWhereTheModelIs)
+{
+  const auto model = [](std::span<const double> k)
+  {
+    if (k[0] > 1.9)
+      throw ParameterError("too much", "");
+    return FitEvaluation{ { k[0] }, { 1 } };
+  };
+  const FitResult r = fit({ { "wall", 1 } }, { { "x", 1.92, 0.2 } }, model);
+  EXPECT_LE(r.parameters[0].value, 1.9);
+  EXPECT_GT(r.parameters[0].value, 1.8);
+}
+
 TEST(Fit, SaysWhatItCannotTell)
 {
   const auto fitted = [](const std::vector<FitParameter>& p, const std::vector<FitMeasurement>& m, const auto& model)

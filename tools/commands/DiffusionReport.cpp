@@ -1,5 +1,6 @@
 #include "commands/DiffusionReport.h"
 
+#include "commands/SensitivityReport.h"
 #include "commands/WindowReport.h"
 #include "files/JsonReport.h"
 #include "files/Record.h"
@@ -48,11 +49,6 @@ const std::vector<std::string>& phaseNames(const DiffusionReport& report)
 }
 
 constexpr std::array ordinals{ "", "first", "second", "third", "fourth" };
-
-std::string percent(double share)
-{
-  return std::isfinite(share) ? fmt::format("{:.2g} %", 100 * share) : "unknown";
-}
 
 /// How a volume was segmented; greys as in its file, lengths in voxels.
 Json jsonOf(const micrograph::VolumeReport& found)
@@ -348,14 +344,13 @@ namespace
 
 /// By direction: what a change of a conductivity by 1 % does to the value, and what the conductivities' own uncertainty
 /// leaves of it.
-std::string sensitivityText(const DiffusionReport& report)
+std::string sensitivitiesText(const DiffusionReport& report)
 {
   const SteadyFindings& found = report.found;
   std::string text;
   for (const auto& answer : found.answers)
   {
-    std::vector<std::pair<double, std::string>> parts; // of the inputs' error
-    std::string line;
+    Sensitivity one{ axisNames[answer.axis], {}, {} };
     for (const bool other : { false, true })
     {
       const auto& by = other ? answer.derivatives.across : answer.derivatives.along;
@@ -365,22 +360,11 @@ std::string sensitivityText(const DiffusionReport& report)
         if (!(found.fractions[id] > 0) || std::isnan(by[id]))
           continue;
         const std::string name = found.phases[id] + (other ? " across" : "");
-        line += fmt::format("{}{} {:.3g} %", line.empty() ? "" : ", ", name, by[id] * values[id] / own(answer));
-        if (const double error = found.inputError(answer, id, other); error > 0)
-          parts.emplace_back(error, name);
+        one.changes.emplace_back(name, by[id] * values[id] / own(answer));
+        one.inputs.emplace_back(name, found.inputError(answer, id, other));
       }
     }
-    if (line.empty())
-      continue;
-    text += fmt::format("    {}  {}\n", axisNames[answer.axis], line);
-    if (std::isnan(found.inputError(answer)))
-      continue;
-    std::ranges::sort(parts, std::greater());
-    std::string shares;
-    for (const auto& [error, name] : parts)
-      shares += fmt::format("{}{} {}", shares.empty() ? "" : ", ", name, percent(error));
-    text += fmt::format("       the conductivities' uncertainty leaves {}{}\n", percent(found.inputError(answer)),
-      parts.size() > 1 ? " (" + shares + ")" : "");
+    text += sensitivityText(one, 1, "the conductivities'");
   }
   return text.empty() ? text : "  1 % more of a conductivity changes the value by\n" + text;
 }
@@ -398,47 +382,16 @@ std::string surfacesText(const DiffusionReport& report)
   return text;
 }
 
-/// How the total of a value's error comes down to half.
-std::string halvingText(const SteadyFindings& found, const lbm::DiffusionAnswer& answer)
-{
-  const auto parts = found.errorParts(answer);
-  const auto half = statistics::halving(parts);
-  if (!half)
-  {
-    auto largest = parts;
-    std::ranges::sort(largest, std::greater(), &statistics::ErrorPart::relative);
-    return fmt::format("half of it takes less of {} and of {}", largest[0].name, largest[1].name);
-  }
-  const std::string& name = parts[half->part].name;
-  if (name == "window")
-    return fmt::format("{:.0f} such samples halve it", std::ceil(1 / (half->factor * half->factor)));
-  if (name == "segmentation")
-    return fmt::format("surfaces within {:.2g} pixels halve it", half->factor * found.surfaceDoubt);
-  if (name == "conductivities")
-    return fmt::format("conductivities {:.1f} times as well known halve it", 1 / half->factor);
-  return fmt::format("pixels that err {:.1f} times less halve it", 1 / half->factor);
-}
-
-/// The whole error of each value, where more than that of lattice and picture was asked for: its parts, and the
-/// largest.
-std::string totalText(const DiffusionReport& report)
+/// The whole error of each value, where more than that of lattice and picture was asked for.
+std::string totalsText(const DiffusionReport& report)
 {
   const SteadyFindings& found = report.found;
   if (!found.tellsParts())
     return "";
   std::string text;
   for (const auto& answer : found.answers)
-  {
-    const double total = found.totalError(answer);
-    if (!std::isfinite(total))
-      continue;
-    std::string list;
-    for (const auto& part : found.errorParts(answer))
-      list += fmt::format("{}{} {:.2g}", list.empty() ? "" : ", ", part.name, part.relative * own(answer));
-    text += fmt::format("    {}  {:.5g} ± {:.2g} ({}); {}\n", axisNames[answer.axis], own(answer), total * own(answer),
-      list, halvingText(found, answer));
-  }
-  return text.empty() ? text : "  in all, of what was asked for\n" + text;
+    text += totalText({ axisNames[answer.axis], 1, own(answer), "" }, found.errorParts(answer), found.surfaceDoubt);
+  return text.empty() ? text : totalHeading + text;
 }
 
 } // namespace
@@ -497,9 +450,9 @@ std::string toTable(const DiffusionReport& report)
       text += fmt::format("    {}  {:<20.7g}  {:<8.5g}  {:.5g}\n", axisNames[answer.axis],
         report.found.relative(answer), 1 / report.found.relative(answer), report.found.tortuosityFactor(answer));
   }
-  text += report.found.rounding ? "" : sensitivityText(report);
+  text += report.found.rounding ? "" : sensitivitiesText(report);
   text += surfacesText(report);
-  text += totalText(report);
+  text += totalsText(report);
   text +=
     fmt::format("  bounds\n    series {:.7g}   parallel {:.7g}   Hashin-Shtrikman (isotropic media) {:.7g} to {:.7g}\n",
       report.found.bounds.series, report.found.bounds.parallel, report.found.bounds.hashinShtrikmanLower,

@@ -87,11 +87,11 @@ public:
   [[nodiscard]] virtual double startOf(const Unknown& unknown, double measured) const = 0;
   /// Whether values are multiplied by what all such are multiplied by; a search then begins with that.
   [[nodiscard]] virtual bool scales(const Unknown&) const { return false; }
-  /// Solves: a value by name of each quantity, and its derivatives by unknown; none: they are not told.
+  /// Solves: a value by name of each quantity, and its derivatives by unknown.
   virtual void solve(Session& session, vtkImageData* image, const std::array<int, 6>& extent) = 0;
   [[nodiscard]] virtual std::vector<std::string> quantities() const = 0;
   [[nodiscard]] virtual double value(const std::string& quantity) const = 0;
-  [[nodiscard]] virtual std::optional<double> derivative(const std::string& quantity, const Unknown& by) const = 0;
+  [[nodiscard]] virtual double derivative(const std::string& quantity, const Unknown& by) const = 0;
   /// From now on, or no more: the error against the material's value, and fields.
   virtual void finish(bool fields) = 0;
   [[nodiscard]] virtual double error(const std::string& quantity) const = 0; ///< of the value, absolute
@@ -140,7 +140,7 @@ public:
     const auto& answer = answerOf(quantity);
     return answer.result.effective[static_cast<std::size_t>(answer.axis)];
   }
-  std::optional<double> derivative(const std::string& quantity, const Unknown& by) const override
+  double derivative(const std::string& quantity, const Unknown& by) const override
   {
     const auto& answer = answerOf(quantity);
     const auto id = phaseMeant(filter_->GetFindings().phases, by.phase);
@@ -181,6 +181,7 @@ public:
     options.settings.give(filter_);
     estimate_ = filter_->GetEstimateError();
     filter_->SetEstimateError(false);
+    filter_->SetComputeSensitivity(true);
   }
   std::vector<std::string> properties() const override
   {
@@ -212,17 +213,27 @@ public:
   }
   std::vector<std::string> quantities() const override { return fieldTexts(filter_->GetImage(), "constant_names"); }
   double value(const std::string& quantity) const override { return number("constants", quantity); }
-  std::optional<double> derivative(const std::string&, const Unknown&) const override { return std::nullopt; }
+  double derivative(const std::string& quantity, const Unknown& by) const override
+  {
+    const std::vector<std::string> phases = fieldTexts(filter_->GetImage(), "phase_names");
+    const auto id = phaseMeant(phases, by.phase);
+    const std::vector<std::string> numbers = fieldTexts(filter_->GetImage(), "material_numbers");
+    const auto place = std::ranges::find(numbers, by.property + ":" + (id ? phases[*id] : ""));
+    if (place == numbers.end())
+      return 0; // none of its voxels is there
+    return number("constants_sensitivity", quantity, static_cast<std::size_t>(place - numbers.begin()));
+  }
   void finish(bool) override { filter_->SetEstimateError(estimate_); }
   double error(const std::string& quantity) const override { return number("constants_error", quantity); }
   vtkImageData* output() const override { return filter_->GetImage(); }
 
 private:
-  [[nodiscard]] double number(const char* name, const std::string& quantity) const
+  /// @param row of several numbers of each quantity
+  [[nodiscard]] double number(const char* name, const std::string& quantity, std::size_t row = 0) const
   {
     const std::vector<std::string> names = quantities();
     const std::vector<double> values = fieldNumbers(filter_->GetImage(), name);
-    const auto at = static_cast<std::size_t>(std::ranges::find(names, quantity) - names.begin());
+    const auto at = row * names.size() + static_cast<std::size_t>(std::ranges::find(names, quantity) - names.begin());
     return at < values.size() ? values[at] : std::numeric_limits<double>::quiet_NaN();
   }
 
@@ -390,8 +401,7 @@ private:
     set(values);
     FitEvaluation e;
     e.values.assign(measured_.size(), 0.0);
-    std::vector<double> derivatives(measured_.size() * unknowns_.size(), 0.0);
-    bool told = true;
+    e.derivatives.assign(measured_.size() * unknowns_.size(), 0.0);
     for (std::size_t s = 0; s < samples_.size(); ++s)
     {
       solve(s);
@@ -401,15 +411,9 @@ private:
           continue;
         e.values[j] = model_->value(measured_[j].quantity);
         for (std::size_t i = 0; i < unknowns_.size(); ++i)
-        {
-          const auto d = model_->derivative(measured_[j].quantity, unknowns_[i]);
-          told = told && d;
-          derivatives[j * unknowns_.size() + i] = d.value_or(0);
-        }
+          e.derivatives[j * unknowns_.size() + i] = model_->derivative(measured_[j].quantity, unknowns_[i]);
       }
     }
-    if (told)
-      e.derivatives = std::move(derivatives);
     return e;
   }
 
@@ -587,8 +591,9 @@ Command fitCommand(CLI::App& root)
   addPictureOptions(*byStiffness, stiffness->picture);
   addFitOptions(*byStiffness, *stiffness, "PROPERTY:PHASE[=START]", "E_x|G_xy|…=VALUE±HALF");
   stiffness->settings.declare(*byStiffness, "vtkVoxelStiffness",
-    { "nodes-per-pixel", "window-error", "shares", "mean-strain", "mean-stress", "change", "change-array", "tensor",
-      "displacement", "strain", "stress", "expansion", "expansion-across" });
+    { "young-uncertainty", "poisson-uncertainty", "young-across-uncertainty", "poisson-across-uncertainty",
+      "shear-uncertainty", "sensitivity", "nodes-per-pixel", "window-error", "shares", "mean-strain", "mean-stress",
+      "change", "change-array", "tensor", "displacement", "strain", "stress", "expansion", "expansion-across" });
   return { fit,
     [=](Session& session, const std::string& line)
     {

@@ -89,6 +89,7 @@ std::string stiffnessJson(const BondRun& run)
       { "axes", rowsOf(f.numbers("orthotropic_axes"), 3) }, { "rest", f("orthotropic_rest") } };
     json["by_direction"] = byDirectionJson(f);
   }
+  addSensitivity(json, f);
   json["window_errors"] = windowsJson(windowFields(run.image));
   if (!f.numbers("expansion").empty())
     json["expansion"] = f.numbers("expansion");
@@ -109,7 +110,8 @@ std::string stiffnessJson(const BondRun& run)
   json["seconds"] = run.seconds;
   addKeys(json, f,
     { { "setup_seconds", Key::Kind::Number, "seconds", 0 }, { "solve_seconds", Key::Kind::Number, "seconds", 1 },
-      { "load_seconds", Key::Kind::Number, "seconds", 2 }, { "estimate_seconds", Key::Kind::Number, "seconds", 3 } });
+      { "load_seconds", Key::Kind::Number, "seconds", 2 }, { "estimate_seconds", Key::Kind::Number, "seconds", 3 },
+      { "sensitivity_seconds", Key::Kind::Number, "seconds", 4 } });
   addRun(json, run);
   return dump(json);
 }
@@ -178,6 +180,20 @@ std::string byDirectionText(const Fields& f)
   return text;
 }
 
+/// Which phases have no constants that anything could change with.
+std::string untoldText(const Fields& f)
+{
+  if (fieldTexts(f.data, "material_numbers").empty())
+    return "";
+  std::string list;
+  const Json model = Json::parse(f.text("element_model"), nullptr, false);
+  for (const auto& [phase, constants] : model["phases"].items())
+    if (constants.contains("rigid") || constants.contains("stiffness"))
+      list += fmt::format("{}'{}', {}", list.empty() ? "" : "; ", phase,
+        constants.contains("rigid") ? "which is rigid" : "whose tensor is given");
+  return list.empty() ? list : "    not told of " + list + "\n";
+}
+
 std::string stiffnessTable(const BondRun& run)
 {
   const BondFields f(run);
@@ -223,6 +239,7 @@ std::string stiffnessTable(const BondRun& run)
         text += windowText(window.name, window, ratio ? "" : std::string(" ") + name, ratio ? 1 : 1 / unit);
     }
   }
+  text += sensitivityText(f) + untoldText(f);
   if (!f.numbers("expansion").empty())
     text += fmt::format("  expansion for a change of 1: {}\n", componentsText(names, f.numbers("expansion"), 1));
   if (!f.numbers("load_strain").empty())
@@ -333,6 +350,7 @@ Command stiffnessCommand(CLI::App& root)
   addExamples(*app,
     { "lamella stiffness honeycomb.png --phase 0=void --other wall --young wall=10e9 --threads 0",
       "lamella stiffness composite.png --young matrix=3e9 --young inclusion=70e9 --plane plane-strain --json",
+      "lamella stiffness tissue.png --young wall=10e9±0.5e9 --poisson wall=0.3±0.02",
       "lamella stiffness foam_128x128x128_u8.raw --phase 0=void --other solid --young solid=2e9 --poisson solid=0.4",
       "lamella stiffness tissue.vti --young wall=8e9 --young-across wall=6.4e9 --mean-strain xx=0.01 -o "
       "stresses.vti" });

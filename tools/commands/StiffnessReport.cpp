@@ -1,7 +1,9 @@
 #include "commands/StiffnessReport.h"
 
+#include "commands/SensitivityReport.h"
 #include "session/Text.h"
 
+#include "StiffnessSensitivity.h"
 #include "vtkLatticeConversion.h"
 
 #include <fmt/format.h>
@@ -109,6 +111,103 @@ void addStiffnessSolves(Json& json, const Fields& f, int refine)
     iterations.push_back(std::llround(n));
   json["iterations"] = iterations;
   json["steps"] = stepsJson(f, refine);
+}
+
+namespace
+{
+
+/// What the phases are told by, and how a value changes with each.
+struct Changes
+{
+  std::vector<std::string> names;
+  std::vector<double> values, uncertainty;
+
+  explicit Changes(const Fields& f)
+    : names(fieldTexts(f.data, "material_numbers"))
+    , values(fieldNumbers(f.data, "material_values"))
+    , uncertainty(fieldNumbers(f.data, "material_uncertainty"))
+  {
+  }
+  /// @param all by number, so many values each
+  [[nodiscard]] std::vector<double> of(const std::vector<double>& all, std::size_t i) const
+  {
+    std::vector<double> by;
+    for (std::size_t p = 0; p < names.size() && !all.empty(); ++p)
+      by.push_back(all.at(p * (all.size() / names.size()) + i));
+    return by;
+  }
+};
+
+} // namespace
+
+void addSensitivity(Json& json, const Fields& f)
+{
+  Json sensitivity;
+  Json relative;
+  Json inputs;
+  Json totals;
+  const Changes changes(f);
+  const auto add = [&](const std::string& name, double value, const std::vector<double>& by)
+  {
+    for (std::size_t p = 0; p < by.size(); ++p)
+    {
+      sensitivity[name][changes.names[p]] = jsonNumber(by[p]);
+      relative[name][changes.names[p]] = jsonNumber(by[p] * changes.values[p] / value);
+    }
+  };
+  const std::vector<std::string> names = fieldTexts(f.data, "constant_names");
+  const std::vector<double> input = fieldNumbers(f.data, "constants_input_error");
+  const std::vector<double> total = fieldNumbers(f.data, "constants_total_error");
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    const double value = f("constants", i);
+    add(names[i], value, changes.of(fieldNumbers(f.data, "constants_sensitivity"), i));
+    if (!input.empty())
+      inputs[names[i]] = jsonNumber(input[i] / std::abs(value));
+    if (!total.empty())
+      totals[names[i]] = jsonNumber(total[i] / std::abs(value));
+  }
+  if (const std::vector<double> energy = fieldNumbers(f.data, "load_energy_sensitivity"); !energy.empty())
+    add("energy", f("load_energy"), energy);
+  json["sensitivity"] = std::move(sensitivity);
+  json["relative_sensitivity"] = std::move(relative);
+  json["input_errors"] = std::move(inputs);
+  json["total_errors"] = std::move(totals);
+}
+
+std::string sensitivityText(const Fields& f)
+{
+  const Changes changes(f);
+  std::string text;
+  std::string whole;
+  const auto add = [&](const std::string& name, double value, const std::vector<double>& by)
+  {
+    Sensitivity one{ name, {}, {} };
+    for (std::size_t p = 0; p < by.size() && value > 0; ++p)
+    {
+      one.changes.emplace_back(changes.names[p], by[p] * changes.values[p] / value);
+      one.inputs.emplace_back(changes.names[p], std::abs(by[p]) * changes.uncertainty[p] / value);
+    }
+    text += sensitivityText(one, 6, "the constants'");
+  };
+  const std::vector<std::string> names = fieldTexts(f.data, "constant_names");
+  const std::vector<double> sensitivity = fieldNumbers(f.data, "constants_sensitivity");
+  const bool total = !fieldNumbers(f.data, "constants_total_error").empty();
+  for (std::size_t i = 0; i < names.size(); ++i)
+  {
+    const double value = f("constants", i);
+    if (names[i].starts_with("nu") || !(value > 0))
+      continue;
+    add(names[i], value, changes.of(sensitivity, i));
+    const auto [unit, unitName] = stressUnit(value);
+    if (total)
+      whole += totalText({ names[i], 6, value / unit, std::string(" ") + unitName }, constantErrorParts(f.data, i));
+  }
+  if (const std::vector<double> energy = fieldNumbers(f.data, "load_energy_sensitivity"); !energy.empty())
+    add("energy", f("load_energy"), energy);
+  if (!text.empty())
+    text = "  1 % more of a phase's constant changes the box's by\n" + text;
+  return text + (whole.empty() ? whole : totalHeading + whole);
 }
 
 std::string stiffnessText(const Fields& f)

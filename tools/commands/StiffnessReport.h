@@ -14,6 +14,12 @@ void addStiffness(Json& json, const Fields& f);
 /// Iterations, and the solves of the box and of the coarser pictures. @param refine how often pixels were split
 void addStiffnessSolves(Json& json, const Fields& f, int refine);
 
+/// `sensitivity`, `relative_sensitivity`, `input_errors`, `total_errors` by constant, of a load alone by `energy`; null
+/// where they were not asked for.
+void addSensitivity(Json& json, const Fields& f);
+/// The same of the moduli, for people; empty where nothing was asked for.
+[[nodiscard]] std::string sensitivityText(const Fields& f);
+
 /// The tensor, the constants and the bounds, each with its error, for people.
 [[nodiscard]] std::string stiffnessText(const Fields& f);
 /// What a method's error is of, in words.

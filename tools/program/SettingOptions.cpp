@@ -297,11 +297,20 @@ void requireOne(
   }
 }
 
-/// Refuses what give() would refuse whatever else was given. @throws ParameterError
-void check(const Setting& setting, const std::string& given, bool byPhase)
+/// Parts a number from how far it may be off, where that can be told.
+std::pair<std::string, std::string> parted(const Setting* uncertainty, const std::string& text)
 {
-  for (const std::string& text : written(setting, { given }, byPhase))
+  return uncertainty != nullptr ? splitUncertainty(text) : std::pair(text, std::string());
+}
+
+/// Refuses what give() would refuse whatever else was given. @throws ParameterError
+void check(const Setting& setting, const Setting* uncertainty, const std::string& given, bool byPhase)
+{
+  for (const std::string& whole : written(setting, { given }, byPhase))
   {
+    const auto [text, half] = parted(uncertainty, whole);
+    if (text != whole)
+      (void)number(setting, 1, half, whole);
     const std::size_t sign = byPhase ? text.find('=') : std::string::npos;
     const std::vector<SettingValue> values =
       valuesOf(setting, sign == std::string::npos ? text : text.substr(sign + 1));
@@ -317,7 +326,7 @@ void SettingOptions::declare(CLI::App& command, const std::string& className, co
   const std::vector<Setting>& settings = settingsOf(className);
   for (const Setting& setting : settings)
     if (!options_.contains(setting.word) && std::find(leave.begin(), leave.end(), setting.word) == leave.end())
-      add(command, settings, setting);
+      add(command, settings, setting, "", true, leave);
   standards(command, defaults);
 }
 
@@ -354,14 +363,19 @@ void SettingOptions::standards(CLI::App& command, const std::map<std::string, st
   }
 }
 
-void SettingOptions::add(
-  CLI::App& command, const std::vector<Setting>& settings, const Setting& setting, std::string group, bool early)
+void SettingOptions::add(CLI::App& command, const std::vector<Setting>& settings, const Setting& setting,
+  std::string group, bool early, const std::vector<std::string>& leave)
 {
   // Written as what it is of, PHASE=VALUE.
   const std::string word = setting.word;
-  if (word == "phase-constant" || (word.starts_with("phase-") && named(settings, word.substr(6)) != nullptr))
+  if (setting.uncertaintyOf[0] != '\0' || word == "phase-constant" ||
+    (word.starts_with("phase-") && named(settings, word.substr(6)) != nullptr))
     return;
-  Option& option = *(options_[setting.word] = std::make_unique<Option>(Option{ &setting, {}, false, false, {} }));
+  Option& option =
+    *(options_[setting.word] = std::make_unique<Option>(Option{ &setting, {}, false, false, {}, nullptr }));
+  for (const Setting& other : settings)
+    if (word == other.uncertaintyOf && std::find(leave.begin(), leave.end(), other.word) == leave.end())
+      option.uncertainty = &other;
   if (group.empty())
     group = setting.group[0] == '\0' ? "Settings" : setting.group;
   const bool on = setting.off[0] != '\0'; // by itself
@@ -377,10 +391,13 @@ void SettingOptions::add(
   }
   const bool byPhase = ofPhases(settings, setting) != nullptr;
   CLI::Option* const added = command.add_option(fmt::format("--{}", setting.word), option.texts, setting.text);
-  added->type_name(form(setting) + (byPhase ? "|PHASE=VALUE" : ""))->allow_extra_args(false)->group(group);
+  added->type_name(form(setting) + (byPhase ? "|PHASE=VALUE" : "") + (option.uncertainty != nullptr ? "[±HALF]" : ""))
+    ->allow_extra_args(false)
+    ->group(group);
   // What is wrong with a value is told when the words are read, by a scene before its first sample.
   if (early)
-    added->each([&setting, byPhase](const std::string& text) { check(setting, text, byPhase); });
+    added->each([&setting, uncertainty = option.uncertainty, byPhase](const std::string& text)
+      { check(setting, uncertainty, text, byPhase); });
   if (setting.kind != SettingKind::List)
     added->default_str(setting.standard);
   if (setting.kind != SettingKind::List && !byPhase)
@@ -450,8 +467,10 @@ void SettingOptions::give(vtkObject* object) const
       setting->set(object, { option->on ? 1.0 : 0.0 });
     const Setting* const byPhase = ofPhases(own, *setting);
     std::map<std::string, SettingValue> before;
-    for (const std::string& text : written(*setting, option->texts, byPhase != nullptr))
+    const Setting* const uncertainty = option->uncertainty != nullptr ? ownOf(own, *option->uncertainty) : nullptr;
+    for (const std::string& whole : written(*setting, option->texts, byPhase != nullptr))
     {
+      const auto [text, half] = parted(uncertainty, whole);
       const std::size_t sign = byPhase != nullptr ? text.find('=') : std::string::npos;
       std::vector<SettingValue> values = valuesOf(*setting, sign == std::string::npos ? text : text.substr(sign + 1));
       checkNumbers(*setting, values);
@@ -464,6 +483,8 @@ void SettingOptions::give(vtkObject* object) const
           values.insert(values.begin() + 1, word);
       }
       (sign == std::string::npos ? setting : byPhase)->set(object, values);
+      if (text != whole)
+        uncertainty->set(object, { values[0], number(*setting, 1, half, whole) });
     }
   }
   for (const auto& [word, option] : options_)

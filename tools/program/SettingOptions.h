@@ -24,7 +24,8 @@ class Session;
 /// The settings of a VTK class as options of a command: what the header of the class declares, and nothing else.
 ///
 /// A number of all phases may be one of each, PHASE=VALUE, where the class has a setting for that. Numbers may have a
-/// unit where the setting has one (0.5um, 7.2GPa), and be per cent where it has none (1%).
+/// unit where the setting has one (0.5um, 7.2GPa), and be per cent where it has none (1%). Behind what is listed by
+/// name stands how far it may be off, NAME=VALUE±HALF, where the class has a list for that.
 class SettingOptions
 {
 public:
@@ -75,7 +76,8 @@ private:
     std::vector<std::string> texts;
     bool on = false;
     bool off = false;
-    std::string standard; ///< of this command; empty: the class's own
+    std::string standard;                 ///< of this command; empty: the class's own
+    const Setting* uncertainty = nullptr; ///< the list of how far its numbers may be off
   };
   struct Former
   {
@@ -87,7 +89,7 @@ private:
     int part = -1;
   };
   void add(CLI::App& command, const std::vector<Setting>& settings, const Setting& setting, std::string group = "",
-    bool early = true);
+    bool early = true, const std::vector<std::string>& leave = {});
 
   std::map<std::string, std::unique_ptr<Option>> options_;
   std::pair<std::string, int> kind_; ///< word of the choice that a command has taken; empty: none

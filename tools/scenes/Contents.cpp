@@ -30,7 +30,7 @@ const std::map<std::string, std::string>& reports()
       "tortuosity_factor{x y z} estimated_error estimated_errors{x y z} lattice_error lattice_errors{x y "
       "z} "
       "picture_error picture_errors{x y z} window_error window_errors{x y z} segmentation_errors{x y z} surface_doubt "
-      "input_errors{x y z} total_errors{x y z} target_error target tensor bounds{series "
+      "sensitivity{x{*} y{*} z{*}} input_errors{x y z} total_errors{x y z} target_error target tensor bounds{series "
       "parallel hashin_shtrikman} "
       "iterations setup_seconds solve_seconds method directions{x y z} window warnings segmentation lattice sides "
       "length tolerance balance solver_error nodes stored skipped solver_bytes conductivity_rounding slice_distance:m" +
@@ -83,13 +83,13 @@ const std::map<std::string, std::string>& reports()
       "extrapolated:Pa estimated_error:Pa} "
       "G_*{value:Pa extrapolated:Pa estimated_error:Pa} *{value extrapolated estimated_error}} bounds{voigt reuss "
       "hashin_shtrikman{bulk shear}} isotropic{bulk:Pa shear:Pa young:Pa poisson rest} orthotropic{stiffness axes "
-      "rest} "
+      "rest} sensitivity{*{*}} relative_sensitivity{*{*}} input_errors{*} total_errors{*} "
       "window_errors{*} expansion load{strain stress energy:J/m³ iterations} materials{*} continuum sides eigenvalues "
       "resisting "
       "asymmetry "
       "crosses{x y z} mismatch{x{seam layers} y{seam layers} z{seam layers}} pieces loose_pieces loose_nodes warnings "
       "iterations steps solver_error levels nodes solid_nodes bytes setup_seconds solve_seconds load_seconds "
-      "estimate_seconds" +
+      "estimate_seconds sensitivity_seconds" +
         run },
     { "bond-stiffness",
       "components stiffness extrapolated estimated_errors estimated_error error_leaves_out constants{E_*{value:Pa "

@@ -19,6 +19,8 @@ or two what it does, to those who set it in any front end, and then, in lines th
     @colour                       its last three numbers are a colour, which people write as #RRGGBB or by a name
     @values 2 = disks; 3 = spheres  whole numbers that it can be, and what they mean
     @title Toughness of bonds     of what is listed: the heading of its table
+    @uncertainty young            of what is listed by name: how far the numbers of the list of that word may be off; a command
+                                  takes both there, NAME=VALUE±HALF
     @columns Bonds, Modulus [Pa]  names of the parts of what is listed, or of a vector
     @when Load BIAXIAL            only of account where another setting is one of these
     @files Checkpoints (*.h5)     the name of a file, and of which
@@ -98,6 +100,7 @@ class Setting:
     colour: bool = False
     rest: object = None
     flat: tuple = ()  # indices
+    uncertainty: str = ""  # the word of the list whose numbers may be off by its own
     panel: str = ""  # how a panel begins: on or off; empty: with the default
     owner: str = ""
 
@@ -483,7 +486,7 @@ class Declarations:
     @staticmethod
     def apply(setting, tags, enums, entries):
         fail = lambda why: setting.fail(setting.at, why)  # noqa: E731
-        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset", "rest", "flat", "names", "words", "colour"}
+        known = {"word", "off", "group", "title", "unit", "range", "choice", "values", "columns", "when", "files", "advanced", "default", "panel", "unset", "rest", "flat", "names", "words", "colour", "uncertainty"}
         for tag in set(tags) - known:
             fail(f"@{tag} is not understood; there are {', '.join(sorted(known))}")
         word, _, keyword = tags.get("word", setting.word).partition(",")
@@ -496,6 +499,7 @@ class Declarations:
         setting.unit = tags.get("unit", setting.unit)
         setting.advanced = setting.advanced or "advanced" in tags
         setting.panel = tags.get("panel", setting.panel)
+        setting.uncertainty = tags.get("uncertainty", setting.uncertainty)
         setting.unset = float(tags["unset"]) if "unset" in tags else setting.unset
         setting.colour = setting.colour or "colour" in tags
         if "words" in tags:

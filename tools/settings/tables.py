@@ -102,7 +102,7 @@ def entry(declarations, name, setting):
     words = ", ".join(quoted(text) for text in (setting.unit, setting.group, setting.text, standard(setting)))
     return (f"    {{ {quoted(setting.word)}, {quoted(setting.off)}, {quoted(setting.off_text)}, Kind::{kind}, {{ {', '.join('Type::' + t.capitalize() for t in setting.types)} }}, "
             f"{number(limits.low)}, {number(limits.high)}, {ends}, {'nan' if setting.unset is None else number(setting.unset)}, {'nan' if setting.rest is None else number(setting.rest)}, {{ {', '.join(map(str, setting.flat))} }}, {{ {choices} }}, {{ {names} }}, {str(setting.colour).lower()}, {{ {parts} }},\n      {words},\n"
-            f"      {condition(declarations, name, setting)},\n      {values},\n"
+            f"      {condition(declarations, name, setting)}, {quoted(setting.uncertainty)},\n      {values},\n"
             f"      [](vtkObject* object, const std::vector<SettingValue>& values)\n"
             f"      {{\n        const Given given{{ values }};\n        {call(name, setting)};\n      }} }},\n")
 

@@ -511,12 +511,14 @@ void LeanField::value(std::span<double> out) const
 BoxField LeanField::inDouble() const
 {
   BoxField field(problem_);
-  field.setLinearProfile();
   const Grid& g = level_.grid;
   const double unit = 1.0 / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]);
   for (std::int64_t z = 0; z < g.nz; ++z)
     for (std::int64_t y = 0; y < g.ny; ++y)
+    {
+      field.setLinearProfile(y, z);
       addRow(y, z, unit, field.rowValues(y, z));
+    }
   field.fillGhosts();
   return field;
 }

@@ -53,6 +53,20 @@ el::PhaseStiffness tensorOf(const std::string& text, int dimension, const std::s
   return numbers;
 }
 
+/// Refuses uncertainties that are of nothing, or no numbers.
+void requireUncertainties(
+  const VoxelSettings::Values& values, const VoxelSettings::Values& uncertainty, const char* what)
+{
+  for (const auto& [phase, half] : uncertainty)
+  {
+    if (!values.contains(phase))
+      throw ParameterError(fmt::format("'{}' has an uncertainty of its {}, and no such number", phase, what),
+        "give both by the same name, or by the same number");
+    if (!std::isfinite(half) || half < 0)
+      throw ParameterError(fmt::format("the uncertainty of the {} of '{}' is {}", what, phase, half), "give 0 or more");
+  }
+}
+
 } // namespace
 
 VoxelMaterials::VoxelMaterials(const VoxelSettings& s, const PhaseIds& phases, std::span<const std::int64_t> nodes)
@@ -62,6 +76,11 @@ VoxelMaterials::VoxelMaterials(const VoxelSettings& s, const PhaseIds& phases, s
   requireVoids(phases, s.voids);
   for (const std::string& name : s.rigid)
     requirePhase(phases, name, fmt::format("'{}' is to be rigid, and is no phase of this image", name));
+  requireUncertainties(s.young, s.youngUncertainty, "Young's modulus");
+  requireUncertainties(s.poisson, s.poissonUncertainty, "Poisson's ratio");
+  requireUncertainties(s.youngAcross, s.youngAcrossUncertainty, "Young's modulus across its axis");
+  requireUncertainties(s.poissonAcross, s.poissonAcrossUncertainty, "Poisson's ratio across its axis");
+  requireUncertainties(s.shear, s.shearUncertainty, "shear modulus");
   const auto listed = [&](const std::vector<std::string>& list, std::size_t id)
   { return std::ranges::any_of(list, [&](const std::string& name) { return phaseMeant(names, name) == id; }); };
   const int dimension = el::dimensionOf(s.continuum);
@@ -143,12 +162,26 @@ VoxelMaterials::VoxelMaterials(const VoxelSettings& s, const PhaseIds& phases, s
       m.poissonAlong = m.poissonAcross = poisson != nullptr ? *poisson : usualRatio;
       told["young"] = *young;
       told["poisson"] = m.poissonAlong;
+      const auto number = [&](const char* property, double value, const VoxelSettings::Values& uncertainty,
+                            const std::array<double, 5>& by)
+      {
+        const double* const half = of(uncertainty);
+        material.changes.push_back({ numbers_.size(), by });
+        numbers_.push_back({ property, names[id], value, half != nullptr ? *half : 0.0 });
+        std::string key = property;
+        std::ranges::replace(key, '-', '_');
+        if (half != nullptr)
+          told[key + "_uncertainty"] = *half;
+      };
       try
       {
         if (across == nullptr)
         {
           material.stiffness = el::isotropicStiffness(s.continuum, *young, m.poissonAlong);
           m.shearAlong = *young / (2 * (1 + m.poissonAlong));
+          const auto by = el::isotropicChanges(s.continuum, *young, m.poissonAlong);
+          number("young", *young, s.youngUncertainty, by[0]);
+          number("poisson", m.poissonAlong, s.poissonUncertainty, by[1]);
         }
         else
         {
@@ -160,6 +193,22 @@ VoxelMaterials::VoxelMaterials(const VoxelSettings& s, const PhaseIds& phases, s
             shear != nullptr ? *shear : 1 / (1 / m.youngAlong + 1 / m.youngAcross + 2 * m.poissonAlong / m.youngAlong);
           material.stiffness = el::transverseStiffness(s.continuum, m, { 1, 0, 0 });
           material.axial = el::axialModuli(s.continuum, m);
+          auto by = el::transverseChanges(s.continuum, m);
+          if (shear == nullptr) // it changes with the others
+          {
+            const double square = m.shearAlong * m.shearAlong;
+            const std::array<double, 3> change{ square * (1 + 2 * m.poissonAlong) / (*young * *young),
+              square / (*across * *across), -2 * square / *young };
+            for (std::size_t k = 0; k < change.size(); ++k)
+              for (std::size_t c = 0; c < by[k].size(); ++c)
+                by[k][c] += change[k] * by[4][c];
+          }
+          number("young", *young, s.youngUncertainty, by[0]);
+          number("young-across", *across, s.youngAcrossUncertainty, by[1]);
+          number("poisson", m.poissonAlong, s.poissonUncertainty, by[2]);
+          number("poisson-across", m.poissonAcross, s.poissonAcrossUncertainty, by[3]);
+          if (shear != nullptr)
+            number("shear", *shear, s.shearUncertainty, by[4]);
           told["young_across"] = m.youngAcross;
           told["poisson_across"] = m.poissonAcross;
           told["shear"] = m.shearAlong;
@@ -242,6 +291,7 @@ VoxelMaterials::VoxelMaterials(const VoxelSettings& settings, std::span<const do
   turn_ = own.turn_ || layers_;
   strain_ = own.strain_;
   told_ = own.told_;
+  numbers_ = own.numbers_;
   isotropic_ = own.isotropic_;
   for (std::size_t id = 0; id < materials_.size(); ++id)
   {
@@ -275,6 +325,12 @@ std::vector<double> sharesOf(const PhaseIds& phases, double none, double all)
     shares.push_back(std::clamp((*grey - none) / (all - none), 0.0, 1.0));
   }
   return shares;
+}
+
+bool VoxelMaterials::uncertain() const
+{
+  return std::ranges::any_of(
+    numbers_, [](const MaterialNumber& number) { return number.uncertainty > 0; });
 }
 
 double VoxelMaterials::acrossPlane(

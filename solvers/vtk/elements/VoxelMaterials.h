@@ -22,10 +22,24 @@ struct VoxelSettings
   using Values = std::map<std::string, double>;
 
   Values young{}, poisson{}, youngAcross{}, poissonAcross{}, shear{}, expansion{}, expansionAcross{};
+  /// How far these may be off, by phase: half of the interval that holds them 19 times out of 20.
+  Values youngUncertainty{}, poissonUncertainty{}, youngAcrossUncertainty{}, poissonAcrossUncertainty{},
+    shearUncertainty{};
   std::map<std::string, std::string> stiffness{}; ///< by phase: numbers with spaces between them
   std::vector<std::string> rigid{};
   std::vector<std::string> voids{}; ///< none: by their names
   elasticity::Continuum continuum = elasticity::Continuum::PlaneStress;
+};
+
+/// A number that a material is told by: what VoxelMaterial::changes count.
+struct MaterialNumber
+{
+  std::string property; ///< young, poisson, young-across, poisson-across, shear
+  std::string phase;
+  double value = 0;
+  double uncertainty = 0; ///< 0: not told
+
+  [[nodiscard]] std::string name() const { return property + ":" + phase; }
 };
 
 /// The materials of an image's phases.
@@ -46,6 +60,10 @@ public:
   [[nodiscard]] bool isVoid(std::uint8_t id) const { return id < void_.size() && void_[id]; }
   /// Constants of each phase that is there, by name.
   [[nodiscard]] const nlohmann::json& told() const noexcept { return told_; }
+  /// Of all phases that are there and told by constants; where greys are shares, of low and high.
+  [[nodiscard]] const std::vector<MaterialNumber>& numbers() const noexcept { return numbers_; }
+  /// Some number may be off.
+  [[nodiscard]] bool uncertain() const;
   /// Plane bulk and shear modulus (of volumes the usual ones) by id [Pa]; 0 of voids. Empty: not all are isotropic.
   struct Isotropic
   {
@@ -72,6 +90,7 @@ private:
   bool layers_ = false;
   bool strain_ = false; ///< plane strain
   nlohmann::json told_ = nlohmann::json::object();
+  std::vector<MaterialNumber> numbers_;
   Isotropic isotropic_;
 };
 

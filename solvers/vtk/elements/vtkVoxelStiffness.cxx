@@ -6,9 +6,11 @@
 #include "Listed.h"
 #include "NewArray.h"
 #include "StiffnessDirections.h"
+#include "StiffnessSensitivity.h"
 #include "StiffnessTables.h"
 #include "VoxelMaterials.h"
 #include "WindowFields.h"
+#include "vtkClassMacros.h"
 #include "vtkLatticeConversion.h"
 #include "vtkPieces.h"
 #include "vtkProvenance.h"
@@ -119,55 +121,21 @@ vtkVoxelStiffness::vtkVoxelStiffness()
 
 vtkVoxelStiffness::~vtkVoxelStiffness() = default;
 
-void vtkVoxelStiffness::SetYoungsModulus(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Materials.young, phase, value);
-}
-
-void vtkVoxelStiffness::RemoveAllYoungsModuli()
-{
-  lamella::removeAll(this, this->Internal->Materials.young);
-}
-
-void vtkVoxelStiffness::SetPoissonsRatio(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Materials.poisson, phase, value);
-}
-
-void vtkVoxelStiffness::RemoveAllPoissonsRatios()
-{
-  lamella::removeAll(this, this->Internal->Materials.poisson);
-}
-
-void vtkVoxelStiffness::SetYoungsModulusAcross(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Materials.youngAcross, phase, value);
-}
-
-void vtkVoxelStiffness::RemoveAllYoungsModuliAcross()
-{
-  lamella::removeAll(this, this->Internal->Materials.youngAcross);
-}
-
-void vtkVoxelStiffness::SetPoissonsRatioAcross(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Materials.poissonAcross, phase, value);
-}
-
-void vtkVoxelStiffness::RemoveAllPoissonsRatiosAcross()
-{
-  lamella::removeAll(this, this->Internal->Materials.poissonAcross);
-}
-
-void vtkVoxelStiffness::SetShearModulus(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Materials.shear, phase, value);
-}
-
-void vtkVoxelStiffness::RemoveAllShearModuli()
-{
-  lamella::removeAll(this, this->Internal->Materials.shear);
-}
+vtkSetNamedMacro(vtkVoxelStiffness, YoungsModulus, YoungsModuli, Internal->Materials.young);
+vtkSetNamedMacro(vtkVoxelStiffness, PoissonsRatio, PoissonsRatios, Internal->Materials.poisson);
+vtkSetNamedMacro(vtkVoxelStiffness, YoungsModulusAcross, YoungsModuliAcross, Internal->Materials.youngAcross);
+vtkSetNamedMacro(vtkVoxelStiffness, PoissonsRatioAcross, PoissonsRatiosAcross, Internal->Materials.poissonAcross);
+vtkSetNamedMacro(vtkVoxelStiffness, ShearModulus, ShearModuli, Internal->Materials.shear);
+vtkSetNamedMacro(
+  vtkVoxelStiffness, YoungsModulusUncertainty, YoungsModulusUncertainties, Internal->Materials.youngUncertainty);
+vtkSetNamedMacro(
+  vtkVoxelStiffness, PoissonsRatioUncertainty, PoissonsRatioUncertainties, Internal->Materials.poissonUncertainty);
+vtkSetNamedMacro(vtkVoxelStiffness, YoungsModulusAcrossUncertainty, YoungsModulusAcrossUncertainties,
+  Internal->Materials.youngAcrossUncertainty);
+vtkSetNamedMacro(vtkVoxelStiffness, PoissonsRatioAcrossUncertainty, PoissonsRatioAcrossUncertainties,
+  Internal->Materials.poissonAcrossUncertainty);
+vtkSetNamedMacro(
+  vtkVoxelStiffness, ShearModulusUncertainty, ShearModulusUncertainties, Internal->Materials.shearUncertainty);
 
 void vtkVoxelStiffness::SetStiffness(const char* phase, const char* numbers)
 {
@@ -192,46 +160,10 @@ void vtkVoxelStiffness::RemoveAllRigids()
   lamella::removeAll(this, this->Internal->Materials.rigid);
 }
 
-void vtkVoxelStiffness::SetExpansion(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Materials.expansion, phase, value);
-}
-
-void vtkVoxelStiffness::RemoveAllExpansions()
-{
-  lamella::removeAll(this, this->Internal->Materials.expansion);
-}
-
-void vtkVoxelStiffness::SetExpansionAcross(const char* phase, double value)
-{
-  lamella::setNamed(this, this->Internal->Materials.expansionAcross, phase, value);
-}
-
-void vtkVoxelStiffness::RemoveAllExpansionsAcross()
-{
-  lamella::removeAll(this, this->Internal->Materials.expansionAcross);
-}
-
-void vtkVoxelStiffness::SetMeanStrain(const char* component, double value)
-{
-  lamella::setNamed(this, this->Internal->Strain, component, value);
-}
-
-void vtkVoxelStiffness::RemoveAllMeanStrains()
-{
-  lamella::removeAll(this, this->Internal->Strain);
-}
-
-void vtkVoxelStiffness::SetMeanStress(const char* component, double value)
-{
-  lamella::setNamed(this, this->Internal->Stress, component, value);
-}
-
-void vtkVoxelStiffness::RemoveAllMeanStresses()
-{
-  lamella::removeAll(this, this->Internal->Stress);
-}
-
+vtkSetNamedMacro(vtkVoxelStiffness, Expansion, Expansions, Internal->Materials.expansion);
+vtkSetNamedMacro(vtkVoxelStiffness, ExpansionAcross, ExpansionsAcross, Internal->Materials.expansionAcross);
+vtkSetNamedMacro(vtkVoxelStiffness, MeanStrain, MeanStrains, Internal->Strain);
+vtkSetNamedMacro(vtkVoxelStiffness, MeanStress, MeanStresses, Internal->Stress);
 vtkImageData* vtkVoxelStiffness::GetImage()
 {
   return vtkImageData::SafeDownCast(this->GetOutputDataObject(0));
@@ -373,6 +305,8 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
   options.maxIterations = this->MaximumIterations;
   options.estimateError = this->EstimateError;
   options.windowError = this->EstimateWindowError;
+  const bool sensitivity = this->ComputeSensitivity || materials->uncertain();
+  options.numbers = sensitivity ? materials->numbers().size() : 0;
   options.nodesPerPixel = this->NodesPerPixel;
   options.threads = this->ThreadCount();
   options.ranks = lamella::Communicator(team.comm());
@@ -485,8 +419,8 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
   number("solid_nodes", static_cast<double>(result.solidVoxels));
   number("skipped_nodes", voxels - static_cast<double>(result.solidVoxels));
   lamella::setFieldNumbers(output, "seconds",
-    std::array{
-      result.setupSeconds, result.solveSeconds, result.loaded ? result.loaded->seconds : 0.0, result.estimateSeconds });
+    std::array{ result.setupSeconds, result.solveSeconds, result.loaded ? result.loaded->seconds : 0.0,
+      result.estimateSeconds, result.changeSeconds });
   lamella::setFieldNumbers(output, "phase_fraction", fractions);
   lamella::setFieldTexts(output, "phase_names", shared ? std::vector<std::string>{ "low", "high" } : phases.names);
   lamella::setFieldText(output, "phase_array", phases.array);
@@ -514,6 +448,10 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
       output, "hashin_shtrikman", std::array{ bounds.bulk[0], bounds.bulk[1], bounds.shear[0], bounds.shear[1] });
   }
   lamella::setWindowFields(output, result.windows);
+  if (sensitivity)
+    lamella::setSensitivity(output, result, materials->numbers());
+  if (!result.stiffness.empty() && (materials->uncertain() || this->EstimateWindowError))
+    lamella::setConstantErrors(output, result, materials->numbers(), materials->uncertain());
   if (!result.expansion.empty())
     lamella::setFieldNumbers(output, "expansion", result.expansion);
   if (result.loaded)

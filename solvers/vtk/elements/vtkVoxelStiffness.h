@@ -44,6 +44,12 @@
  *   `window_value`, `window_low`, `window_high`, `window_deviation`, `window_bias` in the value's unit,
  * `window_freedom`, `window_gradient` (axis along which the box changes, NaN: none) and `window_layered`
  * (statistics/WindowError.h)
+ * - with ComputeSensitivity `material_numbers`: names PROPERTY:PHASE of the phases' constants ("young:wall"; as the
+ *   words of their settings), `material_values`, `material_uncertainty` (0: none), and by these in turn
+ *   `stiffness_sensitivity`, ∂C/∂p, 9 or 36 numbers each, and `constants_sensitivity`, the same of `constants`; of a
+ * mean strain alone `load_energy_sensitivity` [J/m³]. Of rigid phases and of given tensors nothing is told
+ * - with uncertainties `constants_input_error`: what they leave of each constant, in its unit; `constants_total_error`:
+ *   the root of the squares of that, of `constants_error` and of the window's, where two are known
  * - `hashin_shtrikman`: bulk modulus, lower and upper, shear modulus, lower and upper [Pa], of isotropic mixtures;
  * where all phases are isotropic
  * - `expansion`: mean strain of the free box for a change of 1, Voigt's order; where some phase expands
@@ -51,7 +57,8 @@
  * - `crosses`, `pieces`, `loose_pieces`, `loose_nodes`, `solid_nodes`, `skipped_nodes`, `seam_mismatch`,
  *   `layer_mismatch`, `step_every`, `step_pictures`, `step_nodes`, `step_iterations`, `step_seconds`, `iterations`: as
  *   vtkBondStiffness
- * - `solver_error`: of energies, relative; `levels`, `bytes`, `seconds` (set-up, solve, the load, the error)
+ * - `solver_error`: of energies, relative; `levels`, `bytes`, `seconds` (set-up, solve, the load, the error,
+ *   the sensitivity)
  * - `phase_names`, `phase_fraction`, `phase_array`, `sides`, `continuum`, `element_model`, `warnings`, `provenance`.
  *
  * **Parallel**: ranks share the planes of nodes across the last axis, threads those of a rank; any number of both gives
@@ -143,6 +150,75 @@ public:
    */
   void SetShearModulus(const char* phase, double value);
   void RemoveAllShearModuli();
+  ///@}
+  ///@{
+  /**
+   * How far a Young's modulus may be off, one phase a row [Pa]: half of the interval that holds it 19 times out of 20.
+   * The output then tells what that leaves of the moduli of the box, and ComputeSensitivity is on. Independent of each
+   * other.
+   *
+   * `phase` is the word that SetYoungsModulus() was given.
+   * @word young-uncertainty
+   * @uncertainty young
+   * @title Uncertainty of Young's moduli [Pa]
+   * @group Materials
+   * @columns Phase, Plus or minus [Pa]
+   * @advanced
+   */
+  void SetYoungsModulusUncertainty(const char* phase, double value);
+  void RemoveAllYoungsModulusUncertainties();
+  ///@}
+  ///@{
+  /**
+   * The same of Poisson's ratios, of phases that were given one.
+   * @word poisson-uncertainty
+   * @uncertainty poisson
+   * @title Uncertainty of Poisson's ratios
+   * @group Materials
+   * @columns Phase, Plus or minus
+   * @advanced
+   */
+  void SetPoissonsRatioUncertainty(const char* phase, double value);
+  void RemoveAllPoissonsRatioUncertainties();
+  ///@}
+  ///@{
+  /**
+   * The same of Young's moduli across an axis [Pa].
+   * @word young-across-uncertainty
+   * @uncertainty young-across
+   * @title Uncertainty of Young's moduli across axes [Pa]
+   * @group Materials
+   * @columns Phase, Plus or minus [Pa]
+   * @advanced
+   */
+  void SetYoungsModulusAcrossUncertainty(const char* phase, double value);
+  void RemoveAllYoungsModulusAcrossUncertainties();
+  ///@}
+  ///@{
+  /**
+   * The same of Poisson's ratios across an axis, of phases that were given one.
+   * @word poisson-across-uncertainty
+   * @uncertainty poisson-across
+   * @title Uncertainty of Poisson's ratios across axes
+   * @group Materials
+   * @columns Phase, Plus or minus
+   * @advanced
+   */
+  void SetPoissonsRatioAcrossUncertainty(const char* phase, double value);
+  void RemoveAllPoissonsRatioAcrossUncertainties();
+  ///@}
+  ///@{
+  /**
+   * The same of shear moduli along an axis [Pa], of phases that were given one.
+   * @word shear-uncertainty
+   * @uncertainty shear
+   * @title Uncertainty of shear moduli [Pa]
+   * @group Materials
+   * @columns Phase, Plus or minus [Pa]
+   * @advanced
+   */
+  void SetShearModulusUncertainty(const char* phase, double value);
+  void RemoveAllShearModulusUncertainties();
   ///@}
   ///@{
   /**
@@ -303,6 +379,15 @@ public:
    * @group Accuracy and cost
    */
   vtkSwitchMacro(EstimateError, true);
+
+  /**
+   * Also tell how the tensor and the constants of the box change with the constants of each phase: exactly, from the
+   * fields that are there anyway. Not of rigid phases, nor of those whose tensor is given by its numbers.
+   * @word sensitivity
+   * @group Accuracy and cost
+   * @advanced
+   */
+  vtkSwitchMacro(ComputeSensitivity, false);
 
   /**
    * Also solve the windows that the box is cut into, halves and thirds of it along each axis, and tell how far it

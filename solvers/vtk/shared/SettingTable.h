@@ -67,6 +67,7 @@ struct Setting
   const char* with;            ///< word of another setting that decides whether this one counts; empty: it does
   std::vector<int> withValues; ///< those of it with which it does
   const char* withText;        ///< how people say so: "load biaxial"
+  const char* uncertaintyOf;   ///< word of the list whose numbers may be off by this one's; empty: of none
   /// Its numbers; null where it holds none.
   std::vector<double> (*values)(vtkObject* object);
   void (*set)(vtkObject* object, const std::vector<SettingValue>& values);

@@ -66,6 +66,33 @@ class StiffnessResult(WindowErrors, StiffnessBase):
         found = [float(v) for v in _arrays.numbers(self.vtk, "hashin_shtrikman")]
         return {"bulk": tuple(found[:2]), "shear": tuple(found[2:])} if len(found) else {}
 
+    @property
+    def sensitivity(self) -> dict[str, dict[str, float]]:
+        """By constant and by number of the materials ("young:wall", as the words of their settings) the derivative of the
+        one by the other, in their units; empty where it was not asked for."""
+        found = self._numbers("constants_sensitivity")
+        if found is None:
+            return {}
+        names = _arrays.texts(self.vtk, "material_numbers")
+        return {constant: dict(zip(names, map(float, row))) for constant, row in zip(self.constants, found.reshape(len(names), -1).T)}
+
+    @property
+    def relative_sensitivity(self) -> dict[str, dict[str, float]]:
+        """The same of logarithms: what 1 % more of a number does, in per cent; NaN of constants of 0."""
+        found = self.sensitivity
+        values = dict(zip(_arrays.texts(self.vtk, "material_numbers"), self._numbers("material_values"))) if found else {}
+        scale = {constant: 1 / value if value else float("nan") for constant, value in self.constants.items()}
+        return {constant: {name: float(by * values[name] * scale[constant]) for name, by in row.items()} for constant, row in found.items()}
+
+    def _known(self, name):
+        return {} if self._numbers(name) is None else self._by_constant(name)
+
+    input_errors: dict[str, float] = told(
+        "What the uncertainty of the materials leaves of each constant, in its unit; empty where none was given.",
+        "constants_input_error", by="_known")
+    total_errors: dict[str, float] = told(
+        "The root of the squares of that, of the estimated error and of the window's, NaN where no two are known; empty "
+        "where neither the first nor the last was asked for.", "constants_total_error", by="_known")
     expansion: Array = told(
         "Mean strain of the free box for a change of 1 by component [1], shears as angles; none where no phase expands.", by="_numbers")
     load_strain: Array = told("Mean strain of the load by component [1], shears as angles; none where there was no load.", by="_numbers")
