@@ -121,7 +121,7 @@ struct VoxelStiffness
   /// is 2 μ that from above. As exact as the fields: the root of `tolerance`. 0 of phases that count as rigid.
   std::vector<std::vector<double>> changes;
   std::vector<std::vector<double>> constantChanges; ///< the same of constantValues()
-  double changeSeconds = 0; ///< for these, copies of the fields included
+  double changeSeconds = 0;                         ///< for these, copies of the fields included
   StiffnessError error;
   std::vector<StiffnessStep> steps; ///< every solve, in order
   /// Of the diagonal's components, "xx" ..., and of the constants, by their names; without those that some window does

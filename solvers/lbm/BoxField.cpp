@@ -36,12 +36,14 @@ void BoxField::setLinearProfile(std::int64_t y, std::int64_t z)
 {
   const int axis = problem_.axis;
   const double n = static_cast<double>(problem_.lattice.size[axis]);
+  const auto at = [&](std::int64_t p)
+  { return problem_.options.sides == Sides::Periodic ? 0.0 : 1.0 - (static_cast<double>(p) + 0.5) / n; };
   double* u = rowValues(y, z);
-  for (std::int64_t x = 0; x < block_.size[0]; ++x)
-  {
-    const std::int64_t p = axis == 0 ? x : axis == 1 ? y + block_.start[1] : z + block_.start[2];
-    u[x] = problem_.options.sides == Sides::Periodic ? 0.0 : 1.0 - (static_cast<double>(p) + 0.5) / n;
-  }
+  if (axis != 0)
+    std::fill_n(u, block_.size[0], at(axis == 1 ? y + block_.start[1] : z + block_.start[2]));
+  else
+    for (std::int64_t x = 0; x < block_.size[0]; ++x)
+      u[x] = at(x);
 }
 
 void BoxField::fillGhosts()

@@ -97,8 +97,9 @@ class Stiffness(Case):
         self.assertEqual(alone["sensitivity"], found["sensitivity"])
         self.assertEqual((alone["input_errors"], alone["total_errors"]), (None, None))
         # a scene
-        self.write("s.toml", '[sample]\ngenerate = "laminate"\nsize = [32, 32]\naxis = "y"\ncells = 1\n[stiffness]\nyoung = { matrix = "1e9±1e8", inclusion = 4e9 }\n'
-                   'poisson = { matrix = 0, inclusion = 0 }\n[measure]\nby = "stiffness.relative_sensitivity.E_y.young:matrix"\ninputs = "stiffness.input_errors.E_y"\n')
+        scene = ('[sample]\ngenerate = "laminate"\nsize = [32, 32]\naxis = "y"\ncells = 1\n[stiffness]\nyoung = { matrix = "1e9±1e8", inclusion = 4e9 }\n'
+                 'poisson = { matrix = 0, inclusion = 0 }\n[measure]\nby = "stiffness.relative_sensitivity.E_y.young:matrix"\ninputs = "stiffness.input_errors.E_y"\n')
+        self.write("s.toml", scene.encode())
         self.works("run", "s.toml")
         with open(self.path("s.results/table.csv"), encoding="utf-8") as file:
             row = next(csv.DictReader(file))

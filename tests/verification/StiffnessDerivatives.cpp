@@ -359,7 +359,8 @@ TEST(StiffnessDerivativesAlone, OnRanksAndThreads)
       const std::vector<double> values{ 1e9, 0.25, 8e9, 5e9, 0.35, 0.3, 2e9, 3e9, 0.2 };
       for (std::size_t p = 0; p < exact.changes.size(); ++p)
         for (std::size_t i = 0; i < exact.stiffness.size(); ++i)
-          EXPECT_NEAR(values[p] * one.changes[p][i], values[p] * exact.changes[p][i], 0.1 * std::sqrt(tolerance) * most);
+          EXPECT_NEAR(
+            values[p] * one.changes[p][i], values[p] * exact.changes[p][i], 0.1 * std::sqrt(tolerance) * most);
     }
 }
 
