@@ -34,7 +34,11 @@ endif()
 find_package(HDF5 REQUIRED COMPONENTS C)
 add_library(Lamella_hdf5 INTERFACE IMPORTED) # itself only: CMake's target lists all that the library was linked with
 target_include_directories(Lamella_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
-target_link_libraries(Lamella_hdf5 INTERFACE "${HDF5_C_LIBRARY_hdf5}" MPI::MPI_CXX)
+if(HDF5_C_LIBRARY_hdf5)
+  target_link_libraries(Lamella_hdf5 INTERFACE "${HDF5_C_LIBRARY_hdf5}" MPI::MPI_CXX)
+else() # HDF5 2 has a CMake package, whose target is that alone
+  target_link_libraries(Lamella_hdf5 INTERFACE ${HDF5_C_LIBRARIES} MPI::MPI_CXX)
+endif()
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
