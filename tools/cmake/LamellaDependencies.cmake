@@ -4,8 +4,12 @@
 if(LAMELLA_PARAVIEW)
   # Before ParaView, whose package looks for HDF5 too, and what is found first stays: ParaView links the Open MPI build, and
   # two HDF5 in one program do not mix. Debian 13 brings the serial one's headers along with paraview-dev. (The system's VTK
-  # there links the serial one; with another VTK that does not: -DHDF5_PREFER_PARALLEL=ON.)
-  set(HDF5_PREFER_PARALLEL ON)
+  # there links the serial one; with another VTK that does not: -DHDF5_PREFER_PARALLEL=ON.) From ParaView 6 on Debian's has
+  # no VTK of its own, but takes the system's.
+  file(GLOB _system_vtk "/usr/lib/${CMAKE_LIBRARY_ARCHITECTURE}/cmake/vtk-9.[5-9]")
+  if(NOT _system_vtk)
+    set(HDF5_PREFER_PARALLEL ON)
+  endif()
   include(LamellaParaView)
   find_package(ParaView 5.11 REQUIRED COMPONENTS RemotingCore) # its VTK, which it puts into VTK_DIR
 endif()
@@ -23,11 +27,18 @@ add_compile_options($<$<COMPILE_LANGUAGE:CXX>:-Dvtk_nlohmannjson_h>
 
 set(MPI_CXX_SKIP_MPICXX ON) # the C interface only
 find_package(MPI REQUIRED COMPONENTS CXX)
-find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(Eigen3 REQUIRED NO_MODULE)
+if(Eigen3_VERSION VERSION_LESS 3.4) # asked here: Eigen 5 says that it is no 3.4
+  message(FATAL_ERROR "Eigen ${Eigen3_VERSION} is too old: 3.4 or later is needed")
+endif()
 find_package(HDF5 REQUIRED COMPONENTS C)
 add_library(Lamella_hdf5 INTERFACE IMPORTED) # itself only: CMake's target lists all that the library was linked with
 target_include_directories(Lamella_hdf5 SYSTEM INTERFACE ${HDF5_C_INCLUDE_DIRS})
-target_link_libraries(Lamella_hdf5 INTERFACE "${HDF5_C_LIBRARY_hdf5}" MPI::MPI_CXX)
+if(HDF5_C_LIBRARY_hdf5)
+  target_link_libraries(Lamella_hdf5 INTERFACE "${HDF5_C_LIBRARY_hdf5}" MPI::MPI_CXX)
+else() # HDF5 2 has a CMake package, whose target is that alone
+  target_link_libraries(Lamella_hdf5 INTERFACE ${HDF5_C_LIBRARIES} MPI::MPI_CXX)
+endif()
 find_package(OpenMP REQUIRED COMPONENTS CXX)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)

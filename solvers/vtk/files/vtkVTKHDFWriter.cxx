@@ -253,9 +253,10 @@ void writeGrid(hid_t root, vtkUnstructuredGrid* grid, int level)
     writeAll(root, "Points", H5T_NATIVE_FLOAT, { 0, 3 }, nullptr, 0);
   writeRows(root, "Offsets", offsets, level);
   writeRows(root, "Connectivity", ids, level);
-  vtkNew<vtkUnsignedCharArray> types;
-  if (grid->GetNumberOfCells() > 0)
-    types->DeepCopy(grid->GetCellTypesArray());
+  vtkNew<vtkUnsignedCharArray> types; // cell by cell: VTK 9.6 keeps them otherwise
+  types->SetNumberOfValues(grid->GetNumberOfCells());
+  for (vtkIdType cell = 0; cell < grid->GetNumberOfCells(); ++cell)
+    types->SetValue(cell, static_cast<unsigned char>(grid->GetCellType(cell)));
   writeRows(root, "Types", types, level);
   for (const auto& [name, data] : { std::pair<const char*, vtkDataSetAttributes*>{ "PointData", grid->GetPointData() },
          { "CellData", grid->GetCellData() } })

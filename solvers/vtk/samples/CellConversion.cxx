@@ -4,7 +4,11 @@
 
 #include "vtkCellArray.h"
 #include "vtkCellData.h"
+#if __has_include("vtkCellTypeUtilities.h")
+#include "vtkCellTypeUtilities.h"
+#else
 #include "vtkCellTypes.h"
+#endif
 #include "vtkFieldData.h"
 #include "vtkIdList.h"
 #include "vtkNew.h"
@@ -23,6 +27,12 @@ namespace lamella
 {
 namespace
 {
+
+#if __has_include("vtkCellTypeUtilities.h") // VTK 9.6 has their names there
+using CellTypes = vtkCellTypeUtilities;
+#else
+using CellTypes = vtkCellTypes;
+#endif
 
 enum Kind
 {
@@ -85,7 +95,7 @@ void requireFlatCells(vtkUnstructuredGrid* grid)
   if (others > 0)
   {
     throw InputError(fmt::format("{} of {} cells are no vertices, lines or polygons ({})", others,
-                       grid->GetNumberOfCells(), vtkCellTypes::GetClassNameFromTypeId(type)),
+                       grid->GetNumberOfCells(), CellTypes::GetClassNameFromTypeId(type)),
       "keep them in an unstructured grid (.vtu, .hdf)");
   }
 }
