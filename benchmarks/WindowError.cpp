@@ -333,6 +333,9 @@ void strength(const Keys& keys)
             catch (const NoPathError&)
             {
             }
+            catch (const InputError&) // nothing but hinges leads across
+            {
+            }
           });
         for (const statistics::WindowError& window : found)
           add(line, window, truth / static_cast<double>(found.size()));

@@ -155,7 +155,7 @@ TEST(Segmentation, FindsTheTissueInAScan)
   EXPECT_EQ(result.image.lattice.spacing, truth.lattice.spacing);
   EXPECT_NEAR(result.report.lumenFraction, 0.60, 0.02);
   EXPECT_TRUE(result.warnings.empty());
-  EXPECT_EQ(result.report.lines().size(), 7U); // no rim, no ray, no vessels: nothing said of them
+  EXPECT_EQ(result.report.lines().size(), 8U); // no rim, no ray, no vessels: nothing said of them
   EXPECT_EQ(result.report.rim, 0);
   EXPECT_EQ(result.report.rays, 0); // the ray cells are whole
   EXPECT_TRUE(result.marks.empty());

@@ -231,7 +231,7 @@ TEST(VolumeSegmentation, FindsSpheresThroughNoiseAndLight)
     EXPECT_EQ(found.report.polarity, "void is dark");
     EXPECT_EQ(found.report.flattened, scan.shade > 0);
     EXPECT_TRUE(found.warnings.empty()) << found.warnings.front();
-    EXPECT_EQ(found.report.lines().size(), 5U);
+    EXPECT_EQ(found.report.lines().size(), 6U);
   }
   // Without making the light even it is far worse.
   VolumeOptions even;

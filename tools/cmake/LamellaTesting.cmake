@@ -22,6 +22,7 @@ set(_lamella_test_environment
   OMPI_ALLOW_RUN_AS_ROOT=1
   OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
   OMPI_MCA_ess_singleton_isolated=1 # one rank alone: Open MPI 4 starts a daemon beside it otherwise
+  OMPI_MCA_pml=ob1 # Open MPI else tries every transport first: 0.15 s a start
   OMPI_MCA_mpi_yield_when_idle=1 # more ranks than idle cores would spin: minutes in place of seconds
   # containers refuse the system call, and Open MPI 4 and 5 then complain
   OMPI_MCA_btl_vader_single_copy_mechanism=none

@@ -67,7 +67,11 @@ std::vector<statistics::WindowTiling> windowStrengths(const BondModel& model, co
     }
     catch (const NoPathError&)
     {
-      strength[w] = 0; // nothing carries
+      strength[w] = 0;
+    }
+    catch (const InputError&)
+    {
+      strength[w] = 0; // but hinges
     }
   }
   auto from = strength.begin();

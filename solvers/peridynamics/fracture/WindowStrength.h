@@ -9,8 +9,8 @@ namespace lamella::peridynamics
 {
 
 /// Peak stresses [Pa] of the windows that a sample is cut into, halves and thirds of it along each axis, each between
-/// platens of its own and pulled as the sample is; 0 where nothing leads across. Each runs until its stress has fallen
-/// to nine tenths of its peak, and writes nothing.
+/// platens of its own and pulled as the sample is; 0 where nothing, or nothing but hinges, leads across. Each runs
+/// until its stress has fallen to nine tenths of its peak, and writes nothing.
 ///
 /// @param phase, grain of the whole sample: on one rank  @param options as of the sample
 /// @throws as studyFracture()
