@@ -22,12 +22,14 @@ set(_lamella_test_environment
   OMPI_ALLOW_RUN_AS_ROOT=1
   OMPI_ALLOW_RUN_AS_ROOT_CONFIRM=1
   OMPI_MCA_ess_singleton_isolated=1 # one rank alone: Open MPI 4 starts a daemon beside it otherwise
-  OMPI_MCA_pml=ob1 # Open MPI else tries every transport first: 0.15 s a start
   OMPI_MCA_mpi_yield_when_idle=1 # more ranks than idle cores would spin: minutes in place of seconds
   # containers refuse the system call, and Open MPI 4 and 5 then complain
   OMPI_MCA_btl_vader_single_copy_mechanism=none
   OMPI_MCA_smsc=^cma
 )
+# One rank alone, without mpirun: Open MPI 4 else tries every transport first, which takes 0.15 s a start; and needs no folder of
+# its session, whose making is a race among those that start at once.
+set(_lamella_test_alone OMPI_MCA_pml=ob1 OMPI_MCA_orte_create_session_dirs=0)
 if(LAMELLA_SANITIZE)
   # Leaks in Open MPI, ParaView and Python are not ours to mend; errors of ours end the program.
   list(APPEND _lamella_test_environment "ASAN_OPTIONS=detect_leaks=0" "UBSAN_OPTIONS=print_stacktrace=1:halt_on_error=1")
@@ -112,7 +114,7 @@ function(lamella_add_gtest NAME)
 if(@NAME@_TESTS)
   set_tests_properties(${@NAME@_TESTS} PROPERTIES
     LABELS "@arg_LABEL@" TIMEOUT "@arg_TIMEOUT@"
-    ENVIRONMENT "@_lamella_test_environment@;@arg_ENVIRONMENT@"
+    ENVIRONMENT "@_lamella_test_environment@;@_lamella_test_alone@;@arg_ENVIRONMENT@"
     ENVIRONMENT_MODIFICATION "DISPLAY=unset:;WAYLAND_DISPLAY=unset:")
 endif()
 ]=])
