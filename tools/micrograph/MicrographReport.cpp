@@ -115,9 +115,9 @@ Json segmentationJson(const micrograph::SegmentReport& r)
     { "smallest_wall", r.smallestWall }, { "lumens_removed", r.lumensRemoved }, { "walls_removed", r.wallsRemoved },
     { "opening", r.opening }, { "neck_nodes", r.neckNodes }, { "rim", r.rim }, { "rim_depth", r.rimDepth },
     { "rim_channel", r.rimChannel }, { "half_height", r.halfHeight }, { "edge_blur", r.edgeBlur },
-    { "surface_doubt", r.surfaceDoubt }, { "ray_gaps", r.rays },
-    { "graphics_share", r.graphicsShare }, { "vessels", r.vessels }, { "lumens", r.lumens },
-    { "lumen_fraction", r.lumenFraction }, { "cells", r.cells }, { "doubts", r.doubtNames() }, { "lines", r.lines() } };
+    { "surface_doubt", r.surfaceDoubt }, { "ray_gaps", r.rays }, { "graphics_share", r.graphicsShare },
+    { "vessels", r.vessels }, { "lumens", r.lumens }, { "lumen_fraction", r.lumenFraction }, { "cells", r.cells },
+    { "doubts", r.doubtNames() }, { "lines", r.lines() } };
 }
 
 namespace

@@ -29,12 +29,12 @@ struct OutlineRecipe
     Shares
   };
   Basis basis = Phases;
-  std::string array;      ///< of the phases or numbers, at points
-  std::string lumen;      ///< name of the phase
-  double level = 0.5;     ///< between lumens and walls
-  bool below = false;     ///< lumens are where numbers are below it
-  double pixel = 0;       ///< of the picture [m]
-  double doubt = 0; ///< how far outlines of a scan may lie from where walls begin [pixels]; 0: it is none
+  std::string array;  ///< of the phases or numbers, at points
+  std::string lumen;  ///< name of the phase
+  double level = 0.5; ///< between lumens and walls
+  bool below = false; ///< lumens are where numbers are below it
+  double pixel = 0;   ///< of the picture [m]
+  double doubt = 0;   ///< how far outlines of a scan may lie from where walls begin [pixels]; 0: it is none
   micrograph::ExtractOptions options;
 };
 
