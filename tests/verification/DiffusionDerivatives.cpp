@@ -172,6 +172,41 @@ TEST(DiffusionDerivativesAlone, OfPieces)
   }
 }
 
+// From the lean field itself, in single precision and by halves of rows, as from one in double.
+TEST(DiffusionDerivativesAlone, OfLeanFieldsAreThoseOfFieldsInDouble)
+{
+  for (const std::array<std::int64_t, 3> size :
+    { std::array<std::int64_t, 3>{ 18, 34, 36 }, { 19, 18, 27 }, { 33, 1, 18 } })
+    for (const Sides sides : { Sides::Insulated, Sides::Mixed, Sides::Periodic })
+      for (const int axis : { 0, 1, 2 })
+        for (const auto& k : { std::vector<double>{ 0.03, 1, 0.03 }, { 0.1, 1, 0.3 } })
+        {
+          PhaseImage image = cells(size);
+          if (k[0] == k[2]) // two phases, of which one has an id that is not the next
+            for (std::uint8_t& id : image.phase)
+              id = id == 1 ? 1 : 2;
+          const auto of = [&](Method method)
+          {
+            StudyOptions o;
+            o.axes = { axis };
+            o.estimateError = false;
+            o.derivatives = true;
+            o.steady.sides = sides;
+            o.steady.stencil = Stencil::D3Q7;
+            o.steady.method = method;
+            o.steady.tolerance = 1e-8; // more would be solved in double
+            o.steady.fieldTolerance = 1e-5;
+            return studyDiffusion(image, k, o, MPI_COMM_WORLD).front();
+          };
+          const DiffusionAnswer lean = of(Method::LeanMultigrid);
+          const DiffusionAnswer full = of(Method::Multigrid);
+          const double value = full.result.effective[static_cast<std::size_t>(axis)];
+          for (std::size_t id = 0; id < k.size(); ++id)
+            EXPECT_NEAR(k[id] * lean.derivatives.along[id], k[id] * full.derivatives.along[id], 3e-5 * value)
+              << id << " of " << k[2] << " along " << axis << " of " << size[0];
+        }
+}
+
 // Greys as shares: by the low and by the high phase's conductivity, with either rule.
 TEST(DiffusionDerivativesAlone, OfShares)
 {

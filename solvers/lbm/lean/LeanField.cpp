@@ -17,6 +17,7 @@ constexpr std::int64_t tileBytes = 600 * 1024;
 constexpr std::int64_t tilePlanes = 48;
 // Below that many nodes waiting for another thread costs more than its work.
 constexpr std::int64_t threadedNodes = 100000;
+constexpr std::int64_t energyParts = 16; // sums of energies that threads may make at once
 
 Level emptyLevel(const Problem& problem)
 {
@@ -530,7 +531,35 @@ void LeanField::flux(std::span<double> out) const
 
 std::vector<double> LeanField::linkEnergies() const
 {
-  return inDouble().linkEnergies();
+  const Grid& g = level_.grid;
+  const std::size_t ids = problem_.diffusivity.size();
+  const std::size_t sums = table_.two ? 3 : ids * ids;
+  const std::int64_t rows = g.ny * g.nz;
+  const std::int64_t parts = std::clamp<std::int64_t>(rows, 1, energyParts);
+  std::vector<double> byPart(static_cast<std::size_t>(parts) * sums, 0.0);
+  const int threads = this->threads();
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+  for (std::int64_t part = 0; part < parts; ++part)
+    for (std::int64_t i = part * rows / parts; i < (part + 1) * rows / parts; ++i)
+      for (const int half : { 0, 1 })
+        if (g.count(half) > 0)
+          phaseKernels().addEnergies(
+            table_, row(i % g.ny, i / g.ny, half), ids, byPart.data() + static_cast<std::size_t>(part) * sums);
+  std::vector<double> all(ids * ids, 0.0);
+  for (std::size_t i = 0; i < byPart.size(); ++i)
+  {
+    const std::size_t pair = i % sums;
+    std::size_t a = pair / ids;
+    std::size_t b = pair % ids;
+    if (table_.two)
+    {
+      a = pair == 2 ? ids_.back() : ids_.front();
+      b = pair == 0 ? ids_.front() : ids_.back();
+    }
+    all[std::min(a, b) * ids + std::max(a, b)] += byPart[i];
+  }
+  problem_.comm.sum(all);
+  return all;
 }
 
 } // namespace lamella::lbm

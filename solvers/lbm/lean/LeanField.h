@@ -66,7 +66,7 @@ public:
 
   void value(std::span<double> out) const;
   void flux(std::span<double> out) const;
-  [[nodiscard]] std::vector<double> linkEnergies() const; ///< BoxField's
+  [[nodiscard]] std::vector<double> linkEnergies() const; ///< as BoxField's, from single precision
   [[nodiscard]] const Links& links() const noexcept { return links_; }
   [[nodiscard]] std::size_t bytes() const noexcept;
 

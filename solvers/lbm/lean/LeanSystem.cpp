@@ -257,8 +257,6 @@ public:
   void flux(std::span<double> out) const override { exact_ ? exact_->flux(out) : balancedField().flux(out); }
   [[nodiscard]] FieldEnergies energies() const override
   {
-    if (masked_)
-      return energiesOf(problem_, *this);
     return { exact_ ? exact_->linkEnergies() : balancedField().linkEnergies(), {}, {} };
   }
 

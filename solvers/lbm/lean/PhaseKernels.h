@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 
 /// The loops of the lean solver over one half-row of nodes (those of even or of odd x), compiled once for every
@@ -73,6 +74,9 @@ struct PhaseKernels
   /// Adds to the sums, in double. planes: null, or Σ g Δ of the link east of the i-th node of the half is added to its
   /// i-th element.
   void (*addSums)(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, double* planes);
+  /// Adds g Δ² of the links that addSums sums to those of their ends' phases a and b: sums[ids a + b] of any, which may
+  /// be b's and a's too; of two phases, sums[0], sums[1], sums[2] as PhaseLinks::both.
+  void (*addEnergies)(const PhaseLinks& links, const PhaseRow& row, std::size_t ids, double* sums);
   /// out[x] = link from phase a[x] to phase b[x], n of them.
   void (*links)(const PhaseLinks& links, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, float* out);
   /// even[i] += coarse[i], odd[i] += coarse[i].

@@ -305,6 +305,75 @@ void addSums(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, doub
     sumsWith<Lookup<double>>(links, row, sums, planes);
 }
 
+// f(nodes, a, b, here, there, weight, offset) for the runs of links of a half-row that addSums sums: a[2 i] and b[2 i]
+// are the phases at both ends of the i-th, here[i] and there[i] the values.
+template <class F>
+void forRuns(const PhaseRow& row, F&& f)
+{
+  const std::int64_t nx = row.nx;
+  const int part = row.part;
+  const std::int64_t count = part == 0 ? (nx + 1) / 2 : nx / 2;
+  const std::int64_t last = 2 * (count - 1) + part == nx - 1 ? count - 1 : count;
+  const std::uint8_t* const phase = row.phase + part;
+  f(last, phase, phase + 1, row.own, row.east, 1.0, static_cast<double>(row.step));
+  const auto end = [&](std::int64_t i, const RowEnd& e, bool high)
+  {
+    if (e.weight != 1.0F || high) // a link that wraps belongs to its lower end
+      f(1, phase + 2 * i, &e.phase, row.own + i, &e.value, static_cast<double>(e.weight),
+        static_cast<double>(e.offset));
+  };
+  if (part == 0)
+    end(0, row.low, false);
+  if (last < count)
+    end(last, row.high, true);
+  for (int k = 0; k < 4; ++k)
+    if (const RowSide& side = row.side[k]; side.weight != 0.0F && (side.wall || k % 2 == 1))
+      f(count, phase, side.phase + part, row.own, side.value, static_cast<double>(side.weight),
+        static_cast<double>(side.offset));
+}
+
+void addEnergies(const PhaseLinks& links, const PhaseRow& row, std::size_t ids, double* sums)
+{
+  const auto square = [](float here, float there, double offset)
+  {
+    const double drop = static_cast<double>(here) - static_cast<double>(there) - offset;
+    return drop * drop;
+  };
+  if (links.two)
+  {
+    const int second = links.second;
+    forRuns(row,
+      [&](std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, const float* here, const float* there,
+        double weight, double offset)
+      {
+        double all = 0;
+        double first = 0; // with first
+        double other = 0; // second with second
+#pragma omp simd reduction(+ : all, first, other)
+        for (std::int64_t i = 0; i < n; ++i)
+        {
+          const double d = square(here[i], there[i], offset);
+          const int seconds = static_cast<int>(a[2 * i] == second) + static_cast<int>(b[2 * i] == second);
+          all += d;
+          first += seconds == 0 ? d : 0.0;
+          other += seconds == 2 ? d : 0.0;
+        }
+        sums[0] += weight * links.both[0] * first;
+        sums[1] += weight * links.both[1] * (all - first - other);
+        sums[2] += weight * links.both[2] * other;
+      });
+    return;
+  }
+  forRuns(row,
+    [&](std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, const float* here, const float* there,
+      double weight, double offset)
+    {
+      for (std::int64_t i = 0; i < n; ++i)
+        sums[ids * a[2 * i] + b[2 * i]] +=
+          weight * links.table[256 * a[2 * i] + b[2 * i]] * square(here[i], there[i], offset);
+    });
+}
+
 template <class Table>
 void linksWith(
   const PhaseLinks& links, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, float* __restrict out)
@@ -338,6 +407,6 @@ void addToBoth(std::int64_t evens, std::int64_t odds, const float* coarse, float
 } // namespace
 
 extern const PhaseKernels LAMELLA_KERNELS;
-const PhaseKernels LAMELLA_KERNELS = { relax, addResidual, addSums, linksOf, addToBoth };
+const PhaseKernels LAMELLA_KERNELS = { relax, addResidual, addSums, addEnergies, linksOf, addToBoth };
 
 } // namespace lamella::lbm
