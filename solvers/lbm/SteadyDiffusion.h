@@ -165,7 +165,7 @@ public:
 
   /// Of the last solve, from the energy of its field alone: that is a minimum over fields, so to first order it changes
   /// with the conductivities as if the field stayed. K = Σ k ∂K/∂k. As exact as the field (fieldTolerance, or the root
-  /// of tolerance). Memory: 8 bytes a node while it runs, 16 where some do not conduct, beside the solver's.
+  /// of tolerance). Memory while it runs: none; 16 bytes a node of the algebraic methods.
   /// Collective.
   /// @throws ParameterError for links that were given one by one
   [[nodiscard]] ConductivityDerivatives derivatives() const;

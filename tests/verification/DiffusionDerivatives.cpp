@@ -175,12 +175,13 @@ TEST(DiffusionDerivativesAlone, OfPieces)
 // From the lean field itself, in single precision and by halves of rows, as from one in double.
 TEST(DiffusionDerivativesAlone, OfLeanFieldsAreThoseOfFieldsInDouble)
 {
-  for (const std::array<std::int64_t, 3> size :
-    { std::array<std::int64_t, 3>{ 18, 34, 36 }, { 19, 18, 27 }, { 33, 1, 18 } })
+  for (const std::array<std::int64_t, 3> size : { std::array<std::int64_t, 3>{ 18, 34, 36 }, { 33, 19, 27 } })
     for (const Sides sides : { Sides::Insulated, Sides::Mixed, Sides::Periodic })
       for (const int axis : { 0, 1, 2 })
         for (const auto& k : { std::vector<double>{ 0.03, 1, 0.03 }, { 0.1, 1, 0.3 } })
         {
+          if (sides != Sides::Insulated && size[0] % 2 == 1)
+            continue; // what repeats has an even number of nodes
           PhaseImage image = cells(size);
           if (k[0] == k[2]) // two phases, of which one has an id that is not the next
             for (std::uint8_t& id : image.phase)

@@ -353,10 +353,11 @@ void addEnergies(const PhaseLinks& links, const PhaseRow& row, std::size_t ids, 
         for (std::int64_t i = 0; i < n; ++i)
         {
           const double d = square(here[i], there[i], offset);
-          const int seconds = static_cast<int>(a[2 * i] == second) + static_cast<int>(b[2 * i] == second);
+          const int from = static_cast<int>(a[2 * i] == second);
+          const int to = static_cast<int>(b[2 * i] == second);
           all += d;
-          first += seconds == 0 ? d : 0.0;
-          other += seconds == 2 ? d : 0.0;
+          first += d * static_cast<double>((1 - from) * (1 - to));
+          other += d * static_cast<double>(from * to);
         }
         sums[0] += weight * links.both[0] * first;
         sums[1] += weight * links.both[1] * (all - first - other);
