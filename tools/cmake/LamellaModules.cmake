@@ -85,4 +85,5 @@ if(LAMELLA_BUILD_PLUGIN AND EXISTS "${CMAKE_CURRENT_SOURCE_DIR}/pvplugin/paravie
     PLUGINS_FILE_NAME lamella.plugins.xml
     INSTALL_HEADERS OFF
     DISABLE_XML_DOCUMENTATION ON)
+  add_dependencies(product ${_lamella_plugins})
 endif()
