@@ -27,6 +27,7 @@ struct Search
   static constexpr double apart = 0.3;     // of them [rad]
   static constexpr double first = 0.05;    // turn of a direction [rad]
   static constexpr double finest = 1e-7;
+  static constexpr int moves = 20; // by turns of one size: along a crest, which may be sharp, there is no end of them
   static constexpr double told = 1e-6; // what a direction must be better by than one with a name
   static constexpr double rounding = 1e-13;
 };
@@ -252,6 +253,8 @@ ConstantExtremes DirectionalConstants::extremes() const
     }
     double scale = std::abs(height(named.front()));
     for (Along& a : best)
+    {
+      int moves = 0;
       for (double step = Search::first; step > Search::finest;)
       {
         const Vector one = d == 3 ? a.along.unitOrthogonal() : Vector(-a.along(1), a.along(0), 0);
@@ -265,11 +268,15 @@ ConstantExtremes DirectionalConstants::extremes() const
               if (Along tried = here((a.along + step * (i * one + j * other)).normalized());
                   height(tried) > height(next))
                 next = tried;
-        if (height(next) - before > Search::rounding * scale)
+        const bool better = height(next) - before > Search::rounding * scale;
+        if (better)
           a = next;
-        else
-          step /= 2;
+        if (better && ++moves < Search::moves)
+          continue;
+        step /= 2;
+        moves = 0;
       }
+    }
     const Along* chosen = &named.front();
     for (const std::vector<Along>* const list : { &named, &best })
       for (const Along& a : *list)

@@ -48,7 +48,8 @@ public:
   [[nodiscard]] ConstantsAlong operator()(const std::array<double, 3>& direction) const;
 
   /// Looked for on a grid of 4° and from its best places on, each to 10⁻⁷ in direction. Of directions that come within
-  /// 10⁻⁶ of the best, one of the box's axes or diagonals is told. Some 10⁴ directions are tried.
+  /// 10⁻⁶ of the best, one of the box's axes or diagonals is told. Some 10⁴ directions are tried, at most 10⁵ on
+  /// crests.
   [[nodiscard]] ConstantExtremes extremes() const;
 
 private:

@@ -793,10 +793,11 @@ private:
       const Eigen::VectorXd free = -even.completeOrthogonalDecomposition().solve(stress);
       r.expansion.assign(free.data(), free.data() + n);
     }
-    r.constants = elasticConstants(r.stiffness, D, leastStiffness(options_.tolerance));
+    r.zero = leastStiffness(options_.tolerance);
+    r.constants = elasticConstants(r.stiffness, D, r.zero);
     r.changes = cell.changes;
     for (const std::vector<double>& change : r.changes)
-      r.constantChanges.push_back(constantChanges(r.stiffness, change, D, leastStiffness(options_.tolerance)));
+      r.constantChanges.push_back(constantChanges(r.stiffness, change, D, r.zero));
     r.changeSeconds = cell.changeSeconds;
     r.steps.push_back(cell.step);
     r.levels = cell.levels;

@@ -114,6 +114,7 @@ struct VoxelStiffness
   std::optional<VoxelLoaded> loaded;
   double asymmetry = 0;   ///< of the tensor as solved, over the largest component
   double solverError = 0; ///< of the energies, relative: the largest
+  double zero = 1e-9;     ///< share of the tensor's largest eigenvalue at most which one counts as none
   ElasticConstants constants;
   /// By number ∂ stiffness / ∂ number, as `stiffness` [Pa over the number's unit]: by Hill's lemma the mean of
   /// ε_i : ∂C/∂number : ε_j over the fields of the unit strains, which to first order stay (of uniform stress the same

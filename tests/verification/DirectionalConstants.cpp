@@ -225,6 +225,21 @@ TEST(DirectionalConstants, ExtremesAreThoseOfAnyTensor)
   }
 }
 
+// Sheets across y with next to nothing between them: the least modulus lies at the tip of a needle, 3e-4 rad wide.
+TEST(DirectionalConstants, OfWhatHardlyResists)
+{
+  constexpr double soft = 1e-7;
+  Eigen::Matrix<double, 6, 6> c = soft * Eigen::Matrix<double, 6, 6>::Identity();
+  c(0, 0) = c(2, 2) = 1.0989;
+  c(0, 2) = c(2, 0) = 0.32967;
+  c(4, 4) = 0.38462;
+  const ConstantExtremes all = DirectionalConstants({ c.data(), 36 }, 3).extremes();
+  EXPECT_NEAR(all.young[0].value, soft, 1e-6 * soft);
+  expectNear(all.young[0].along, { 0, 1, 0 }, rounding);
+  EXPECT_NEAR(all.young[1].value, 1, 1e-5); // the numbers above have five digits
+  EXPECT_NEAR(all.young[1].along[1], 0, 1e-6);
+}
+
 // What nothing resists has no modulus, and ratios say nothing then.
 TEST(DirectionalConstants, OfMechanisms)
 {

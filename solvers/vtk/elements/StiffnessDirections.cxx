@@ -64,7 +64,7 @@ vtkSmartPointer<vtkPolyData> unitShape(int dimension)
 
 } // namespace
 
-void fillDirections(vtkPolyData* data, std::span<const double> stiffness, int dimension)
+void fillDirections(vtkPolyData* data, std::span<const double> stiffness, int dimension, double zero)
 {
   const vtkSmartPointer<vtkPolyData> shape = unitShape(dimension);
   const vtkIdType count = shape->GetNumberOfPoints();
@@ -91,7 +91,7 @@ void fillDirections(vtkPolyData* data, std::span<const double> stiffness, int di
     shear.push_back(numbers("shear_modulus", "Pa", sheared + "the one across it"));
     poisson.push_back(numbers("poissons_ratio", "1", drawn + "in the plane"));
   }
-  const el::DirectionalConstants constants(stiffness, dimension);
+  const el::DirectionalConstants constants(stiffness, dimension, zero);
   double most = 0;
   for (vtkIdType i = 0; i < count; ++i)
   {
@@ -125,9 +125,9 @@ void fillDirections(vtkPolyData* data, std::span<const double> stiffness, int di
   }
 }
 
-void setExtremes(vtkImageData* output, std::span<const double> stiffness, int dimension)
+void setExtremes(vtkImageData* output, std::span<const double> stiffness, int dimension, double zero)
 {
-  const el::ConstantExtremes found = el::DirectionalConstants(stiffness, dimension).extremes();
+  const el::ConstantExtremes found = el::DirectionalConstants(stiffness, dimension, zero).extremes();
   std::vector<double> values;
   std::vector<double> along;
   std::vector<double> across;

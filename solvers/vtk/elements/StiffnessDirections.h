@@ -13,10 +13,11 @@ namespace lamella
 /// arrays `direction`, `youngs_modulus`, and of all directions across each the least and the most:
 /// `shear_modulus_least` …; in the plane, which has one, `shear_modulus` and `poissons_ratio`.
 /// @param stiffness by rows, Voigt's order [Pa]
-void fillDirections(vtkPolyData* data, std::span<const double> stiffness, int dimension);
+/// @param zero      as elasticity::DirectionalConstants has it
+void fillDirections(vtkPolyData* data, std::span<const double> stiffness, int dimension, double zero);
 
 /// `extremes` [Pa; 1]: Young's modulus, shear modulus, Poisson's ratio, of each the least and the most of all
 /// directions; `extreme_directions` and `extreme_across`: three numbers of each.
-void setExtremes(vtkImageData* output, std::span<const double> stiffness, int dimension);
+void setExtremes(vtkImageData* output, std::span<const double> stiffness, int dimension, double zero);
 
 } // namespace lamella

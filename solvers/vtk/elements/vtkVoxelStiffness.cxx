@@ -435,8 +435,8 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
     if (!el::between(options.sides))
     {
       describeParts(output, result.stiffness, dimension);
-      lamella::setExtremes(output, result.stiffness, dimension);
-      lamella::fillDirections(directions, result.stiffness, dimension);
+      lamella::setExtremes(output, result.stiffness, dimension, result.zero);
+      lamella::fillDirections(directions, result.stiffness, dimension, result.zero);
     }
     lamella::fillTensor(tensor, found, "vtkVoxelStiffness");
     lamella::fillConstants(constants, found, "vtkVoxelStiffness");
