@@ -1,8 +1,10 @@
 # Tests: one function a form, so that labels, time limits and environment are the same everywhere.
 #
-#   lamella_add_gtest(NAME source... LABEL kind [LIBS lib...] [MPI] [RANKS n...] [WHOLE] [TIMEOUT seconds] [ENVIRONMENT A=b...])
+#   lamella_add_gtest(NAME source... LABEL kind [LIBS lib...] [MPI] [RANKS n...] [SLOW_RANKS n...] [WHOLE] [TIMEOUT seconds]
+#                     [ENVIRONMENT A=b...])
 #     A GoogleTest program, one ctest test a case. MPI: with a main() that starts and ends MPI. RANKS: the whole
-#     program also runs under mpirun with each of these numbers of ranks, as NAME.ranks<n> (implies MPI). WHOLE: all cases
+#     program also runs under mpirun with each of these numbers of ranks, as NAME.ranks<n> (implies MPI). SLOW_RANKS: the
+#     same with the label `slow`, where two cores have long to do and fewer ranks find most faults, too. WHOLE: all cases
 #     in one ctest test, for many short ones, each of which would begin with the half second that MPI takes to start.
 #
 #   lamella_add_test(NAME name LABEL kind COMMAND command... [RANKS n] [TIMEOUT seconds] [ENVIRONMENT A=b...]
@@ -83,12 +85,12 @@ function(lamella_build_fast target)
 endfunction()
 
 function(lamella_add_gtest NAME)
-  cmake_parse_arguments(PARSE_ARGV 1 arg "MPI;WHOLE" "TIMEOUT" "LABEL;LIBS;RANKS;ENVIRONMENT")
+  cmake_parse_arguments(PARSE_ARGV 1 arg "MPI;WHOLE" "TIMEOUT" "LABEL;LIBS;RANKS;SLOW_RANKS;ENVIRONMENT")
   set(sources ${arg_UNPARSED_ARGUMENTS})
   if(NOT sources OR NOT arg_LABEL)
     message(FATAL_ERROR "lamella_add_gtest(${NAME}): sources and a LABEL are needed")
   endif()
-  if(arg_MPI OR arg_RANKS)
+  if(arg_MPI OR arg_RANKS OR arg_SLOW_RANKS)
     set(main lamella_mpi_main)
   else()
     set(main GTest::gtest_main)
@@ -120,8 +122,12 @@ endif()
     set_property(DIRECTORY APPEND PROPERTY TEST_INCLUDE_FILES "${script}")
   endif()
 
-  foreach(ranks IN LISTS arg_RANKS)
-    lamella_add_test(NAME ${NAME}.ranks${ranks} LABEL "${arg_LABEL}" TIMEOUT ${arg_TIMEOUT} RANKS ${ranks}
+  foreach(ranks IN LISTS arg_RANKS arg_SLOW_RANKS)
+    set(label ${arg_LABEL})
+    if(ranks IN_LIST arg_SLOW_RANKS)
+      list(APPEND label slow)
+    endif()
+    lamella_add_test(NAME ${NAME}.ranks${ranks} LABEL "${label}" TIMEOUT ${arg_TIMEOUT} RANKS ${ranks}
       ENVIRONMENT ${arg_ENVIRONMENT} COMMAND $<TARGET_FILE:${NAME}>)
     # All cases skipped: say so, rather than "passed".
     set_tests_properties(${NAME}.ranks${ranks} PROPERTIES SKIP_REGULAR_EXPRESSION "\\[  PASSED  \\] 0 tests")
