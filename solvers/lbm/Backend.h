@@ -62,6 +62,11 @@ public:
   virtual SteadyResult solve() = 0;
   virtual void value(std::span<double> out) const = 0;
   virtual void flux(std::span<double> out) const = 0;
+  /// Whether planes of the field may be asked for one by one, which takes no memory for the others.
+  [[nodiscard]] virtual bool hasPlanes() const { return false; }
+  /// Values of the plane z = −1 … nz of this rank's block, with a ghost around: (nx + 2)(ny + 2) of them; as BoxField
+  /// has them, in a periodic cell without the linear profile. Ghosts beyond the box's faces say nothing.
+  virtual void plane(std::int64_t /*z*/, double* /*out*/) const {}
   /// Of the field, all ranks'. Collective.
   [[nodiscard]] virtual FieldEnergies energies() const = 0;
 };

@@ -1,6 +1,7 @@
 #include "lbm/SurfaceDerivatives.h"
 
 #include "lbm/BoxField.h"
+#include "lbm/PhaseRows.h"
 
 #include "core/Error.h"
 
@@ -8,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 namespace lamella::lbm
@@ -19,18 +21,47 @@ constexpr std::int64_t sumParts = 16; // that threads may make at once: the same
 
 using Vector = std::array<double, 3>;
 
-/// The field and its phases around every node of this rank's block.
+/// The field and its phases around every node of this rank's block: of three planes at a time, which the backend gives
+/// one by one where it can; else of a copy of the whole field in double.
 class Surroundings
 {
 public:
-  Surroundings(const Problem& problem, BoxField& field)
+  Surroundings(const Problem& problem, const Backend& backend, const PhaseRows& phases, BoxField* whole)
     : problem_(problem)
-    , field_(field)
+    , backend_(backend)
+    , phases_(phases)
+    , whole_(whole)
     , block_(problem.parts.block())
     , periodic_(problem.periodic())
+    , stride_(block_.size[0] + 2)
   {
+    if (whole_ == nullptr)
+      for (std::vector<double>& plane : own_)
+        plane.resize(static_cast<std::size_t>(stride_ * (block_.size[1] + 2)));
     for (int a = 0; a < problem.lattice.dimension; ++a)
       spacing_[static_cast<std::size_t>(a)] = problem.lattice.aspect[static_cast<std::size_t>(a)];
+  }
+
+  /// Takes the planes around z; all that is asked for then lies in them.
+  void moveTo(std::int64_t z)
+  {
+    if (z == z_)
+      return;
+    z_ = z;
+    const std::int64_t depth = problem_.lattice.dimension == 3 ? 1 : 0;
+    for (std::int64_t dz = -depth; dz <= depth; ++dz)
+    {
+      const auto at = static_cast<std::size_t>(dz + 1);
+      if (whole_ != nullptr)
+      {
+        planes_[at] = whole_->rowValues(0, z + dz);
+        continue;
+      }
+      const auto slot = static_cast<std::size_t>((z + dz + 3) % 3);
+      if (held_[slot] != z + dz)
+        backend_.plane(held_[slot] = z + dz, own_[slot].data());
+      planes_[at] = own_[slot].data() + stride_ + 1;
+    }
   }
 
   /// Everything at one node of a row.
@@ -43,7 +74,7 @@ public:
 
   [[nodiscard]] Node node(std::int64_t x, std::int64_t y, std::int64_t z) const
   {
-    return { x, y, z, field_.rowPhase(y, z)[x], field_.rowValues(y, z)[x] };
+    return { x, y, z, phases_(y, z)[x], rowValues(y, z)[x] };
   }
 
   /// Whether there is a node at a place, which is then in `of`; its value is less the jump of a cell that repeats.
@@ -56,7 +87,7 @@ public:
     if (!inside(n, axis, step))
       return false;
     const std::int64_t wrapped = x < 0 ? x + block_.size[0] : x >= block_.size[0] ? x - block_.size[0] : x;
-    of = { wrapped, y, z, field_.rowPhase(y, z)[wrapped], field_.rowValues(y, z)[wrapped] };
+    of = { wrapped, y, z, phases_(y, z)[wrapped], rowValues(y, z)[wrapped] };
     if (periodic_[static_cast<std::size_t>(axis)] && axis == problem_.axis)
       of.u -= step / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(axis)]);
     return true;
@@ -65,27 +96,29 @@ public:
   /// Unit normal out of the phase of a node; zeros where it lies on both sides alike.
   [[nodiscard]] Vector normal(const Node& n) const
   {
-    Vector sum{ 0, 0, 0 };
     const int depth = problem_.lattice.dimension == 3 ? 1 : 0;
+    const auto beside = [&](int dx) // beyond a side, its mirror image
+    {
+      const std::int64_t x = inside(n, 0, dx) ? n.x + dx : n.x;
+      return x < 0 ? x + block_.size[0] : x >= block_.size[0] ? x - block_.size[0] : x;
+    };
+    const std::int64_t low = beside(-1);
+    const std::int64_t high = beside(1);
+    std::array<int, 3> slope{ 0, 0, 0 };
     for (int dz = -depth; dz <= depth; ++dz)
       for (int dy = -1; dy <= 1; ++dy)
       {
-        const std::int64_t y = inside(n, 1, dy) ? n.y + dy : n.y; // beyond a side, its mirror image
-        const std::int64_t z = inside(n, 2, dz) ? n.z + dz : n.z;
-        const std::uint8_t* const row = field_.rowPhase(y, z);
-        for (int dx = -1; dx <= 1; ++dx)
-        {
-          std::int64_t x = inside(n, 0, dx) ? n.x + dx : n.x;
-          x = x < 0 ? x + block_.size[0] : x >= block_.size[0] ? x - block_.size[0] : x;
-          if (row[x] != n.phase)
-            continue;
-          const double weight = (2 - std::abs(dx)) * (2 - std::abs(dy)) * (2 - std::abs(dz));
-          sum[0] -= weight * dx / spacing_[0];
-          sum[1] -= weight * dy / spacing_[1];
-          sum[2] -= weight * dz / spacing_[2];
-        }
+        const std::uint8_t* const row = phases_(inside(n, 1, dy) ? n.y + dy : n.y, inside(n, 2, dz) ? n.z + dz : n.z);
+        const int before = static_cast<int>(row[low] == n.phase);
+        const int after = static_cast<int>(row[high] == n.phase);
+        const int weight = (2 - std::abs(dy)) * (2 - std::abs(dz));
+        const int all = weight * (before + 2 * static_cast<int>(row[n.x] == n.phase) + after);
+        slope[0] += weight * (before - after);
+        slope[1] -= all * dy;
+        slope[2] -= all * dz;
       }
-    const double length = std::hypot(sum[0], sum[1], sum[2]);
+    Vector sum{ slope[0] / spacing_[0], slope[1] / spacing_[1], slope[2] / spacing_[2] };
+    const double length = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
     for (double& component : sum)
       component = length > 1e-9 ? component / length : 0;
     return sum;
@@ -128,7 +161,7 @@ public:
   /// Which nodes of a row have another phase at a face: most have not.
   void mark(std::int64_t y, std::int64_t z, std::span<std::uint8_t> marks) const
   {
-    const std::uint8_t* const row = field_.rowPhase(y, z);
+    const std::uint8_t* const row = phases_(y, z);
     const std::int64_t nx = block_.size[0];
     marks[0] = marks[static_cast<std::size_t>(nx - 1)] = 1; // where sides wrap or end
     for (std::int64_t x = 1; x < nx - 1; ++x)
@@ -138,7 +171,7 @@ public:
       for (const int step : { -1, 1 })
         if (inside({ 0, y, z }, a, step))
         {
-          const std::uint8_t* const other = a == 1 ? field_.rowPhase(y + step, z) : field_.rowPhase(y, z + step);
+          const std::uint8_t* const other = a == 1 ? phases_(y + step, z) : phases_(y, z + step);
           for (std::int64_t x = 0; x < nx; ++x)
             marks[static_cast<std::size_t>(x)] |= static_cast<std::uint8_t>(row[x] ^ other[x]);
         }
@@ -153,11 +186,23 @@ private:
     return periodic_[a] || (p >= 0 && p < problem_.lattice.size[a]);
   }
 
+  [[nodiscard]] const double* rowValues(std::int64_t y, std::int64_t z) const noexcept
+  {
+    return planes_[static_cast<std::size_t>(z - z_ + 1)] + y * stride_;
+  }
+
   const Problem& problem_;
-  BoxField& field_;
+  const Backend& backend_;
+  const PhaseRows& phases_;
+  BoxField* whole_;
   Block block_;
   std::array<bool, 3> periodic_;
+  std::int64_t stride_;
   Vector spacing_{ 1, 1, 1 };
+  std::int64_t z_ = -9;                            ///< of no plane
+  std::array<const double*, 3> planes_{};          ///< values of their nodes at 0, 0, below, at and above z
+  std::array<std::vector<double>, 3> own_;         ///< where there is no copy of the whole
+  std::array<std::int64_t, 3> held_{ -9, -9, -9 }; ///< which planes those are
 };
 
 /// What the faces of one node add to the derivative and to the area of each pair.
@@ -209,16 +254,21 @@ SurfaceDerivatives surfaceDerivatives(const Problem& problem, const Backend& bac
   options.stencil = problem.lattice.dimension == 3 ? Stencil::D3Q7 : Stencil::D2Q5;
   const Problem straight{ problem.lattice, problem.parts, problem.comm, options, problem.phase, problem.diffusivity,
     problem.axis, nullptr };
-  BoxField field(straight);
-  {
-    std::vector<double> value(problem.phase.size());
-    backend.value(value);
-    field.setValue(value);
-  }
-  field.fillGhosts();
-  const Surroundings around(straight, field);
-  const std::size_t pairs = problem.diffusivity.size() * problem.diffusivity.size();
   const Block& block = problem.parts.block();
+  const Halo halo(problem.lattice.dimension, block.size, problem.parts, problem.comm, problem.periodic());
+  const PhaseRows phases(block, halo, problem.phase, problem.lattice.dimension);
+  std::optional<BoxField> whole;
+  if (!backend.hasPlanes())
+  {
+    whole.emplace(straight);
+    {
+      std::vector<double> value(problem.phase.size());
+      backend.value(value);
+      whole->setValue(value);
+    }
+    whole->fillGhosts();
+  }
+  const std::size_t pairs = problem.diffusivity.size() * problem.diffusivity.size();
   const std::int64_t rows = block.size[1] * block.size[2];
   const std::int64_t parts = std::clamp<std::int64_t>(rows, 1, sumParts);
   std::vector<double> sums(2 * pairs * static_cast<std::size_t>(parts), 0.0);
@@ -227,9 +277,11 @@ SurfaceDerivatives surfaceDerivatives(const Problem& problem, const Backend& bac
   for (std::int64_t part = 0; part < parts; ++part)
   {
     double* const shift = sums.data() + 2 * pairs * static_cast<std::size_t>(part);
+    Surroundings around(straight, backend, phases, whole ? &*whole : nullptr);
     std::vector<std::uint8_t> marks(static_cast<std::size_t>(block.size[0]));
     for (std::int64_t row = part * rows / parts; row < (part + 1) * rows / parts; ++row)
     {
+      around.moveTo(row / block.size[1]);
       around.mark(row % block.size[1], row / block.size[1], marks);
       for (std::int64_t x = 0; x < block.size[0]; ++x)
         if (marks[static_cast<std::size_t>(x)] != 0)
@@ -243,7 +295,7 @@ SurfaceDerivatives surfaceDerivatives(const Problem& problem, const Backend& bac
   problem.comm.sum(all.shift);
   problem.comm.sum(all.area);
   const auto axis = static_cast<std::size_t>(problem.axis);
-  const double gradient = 1 / (static_cast<double>(problem.lattice.size[axis]) * around.spacing()[axis]);
+  const double gradient = 1 / (static_cast<double>(problem.lattice.size[axis]) * problem.lattice.aspect[axis]);
   const auto nodes = static_cast<double>(problem.lattice.count());
   for (double& s : all.shift)
     s /= nodes * gradient * gradient;

@@ -192,6 +192,7 @@ TEST(DiffusionDerivativesAlone, OfLeanFieldsAreThoseOfFieldsInDouble)
             o.axes = { axis };
             o.estimateError = false;
             o.derivatives = true;
+            o.surfaces = true;
             o.steady.sides = sides;
             o.steady.stencil = Stencil::D3Q7;
             o.steady.method = method;
@@ -205,6 +206,14 @@ TEST(DiffusionDerivativesAlone, OfLeanFieldsAreThoseOfFieldsInDouble)
           for (std::size_t id = 0; id < k.size(); ++id)
             EXPECT_NEAR(k[id] * lean.derivatives.along[id], k[id] * full.derivatives.along[id], 3e-5 * value)
               << id << " of " << k[2] << " along " << axis << " of " << size[0];
+          const std::vector<double>& shift = full.surfaces.shift;
+          ASSERT_EQ(lean.surfaces.shift.size(), shift.size());
+          const double most = std::abs(*std::ranges::max_element(shift, {}, [](double s) { return std::abs(s); }));
+          for (std::size_t i = 0; i < shift.size(); ++i)
+          {
+            EXPECT_NEAR(lean.surfaces.shift[i], shift[i], 1e-4 * most) << i << " along " << axis << " of " << size[0];
+            EXPECT_NEAR(lean.surfaces.area[i], full.surfaces.area[i], 1e-12);
+          }
         }
 }
 

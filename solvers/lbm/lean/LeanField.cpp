@@ -509,6 +509,28 @@ void LeanField::value(std::span<double> out) const
     { out[i] = 1.0 + unit * (v - mean - (static_cast<double>(p) + 0.5)); });
 }
 
+void LeanField::plane(std::int64_t z, double* out) const
+{
+  const Grid& g = level_.grid;
+  const int axis = problem_.axis;
+  const double unit = 1.0 / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(axis)]);
+  const bool profile = links_.boundary(axis) != Boundary::Periodic;
+  for (std::int64_t y = -1; y <= g.ny; ++y, out += g.nx + 2)
+  {
+    const float* const v = v_.data() + g.row(y, z);
+    const auto at = [&](std::int64_t p) { return profile ? 1.0 - unit * (static_cast<double>(p) + 0.5) : 0.0; };
+    const double across = axis == 0 ? 0.0 : at(along(y, z));
+    for (const int part : { 0, 1 })
+      for (std::int64_t i = 0; i < g.count(part); ++i)
+      {
+        const std::int64_t x = 2 * i + part;
+        out[x + 1] = (axis == 0 ? at(x) : across) + unit * static_cast<double>(v[g.shift(part, 0) + i]);
+      }
+    out[0] = out[g.nx];
+    out[g.nx + 1] = out[1];
+  }
+}
+
 BoxField LeanField::inDouble() const
 {
   BoxField field(problem_);

@@ -65,6 +65,7 @@ public:
   void addRow(std::int64_t y, std::int64_t z, double unit, double* u) const;
 
   void value(std::span<double> out) const;
+  void plane(std::int64_t z, double* out) const; ///< Backend::plane
   void flux(std::span<double> out) const;
   [[nodiscard]] std::vector<double> linkEnergies() const; ///< as BoxField's, from single precision
   [[nodiscard]] const Links& links() const noexcept { return links_; }

@@ -255,6 +255,14 @@ public:
       });
   }
   void flux(std::span<double> out) const override { exact_ ? exact_->flux(out) : balancedField().flux(out); }
+  [[nodiscard]] bool hasPlanes() const override
+  {
+    if (exact_ || masked_)
+      return false;
+    (void)balancedField(); // before threads ask for planes
+    return true;
+  }
+  void plane(std::int64_t z, double* out) const override { field_.plane(z, out); }
   [[nodiscard]] FieldEnergies energies() const override
   {
     return { exact_ ? exact_->linkEnergies() : balancedField().linkEnergies(), {}, {} };
