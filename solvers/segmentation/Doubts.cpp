@@ -1,6 +1,7 @@
 #include "segmentation/Doubts.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

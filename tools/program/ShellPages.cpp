@@ -7,6 +7,7 @@
 #include "lamella/Version.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <array>

@@ -4,6 +4,7 @@
 #include "lbm/stepping/Impl.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>

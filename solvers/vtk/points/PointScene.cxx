@@ -17,6 +17,7 @@
 #include "vtkPointData.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
