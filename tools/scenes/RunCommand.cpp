@@ -409,7 +409,8 @@ private:
         continue;
       }
       const Json failure = results_->failure(sample.plan.key).value_or(Json{ { "error", "it was not computed" } });
-      firstFailure = firstFailure ? firstFailure : failure;
+      if (!firstFailure)
+        firstFailure = failure;
       failures.push_back(settingText(sample.plan.settings));
     }
     for (const auto& [warning, count] : warnings)
