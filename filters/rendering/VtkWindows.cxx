@@ -5,9 +5,12 @@
 
 #include <array>
 #include <cstdlib>
+#include <string>
+#include <string_view>
 #include <utility>
 
-// From 9.4 on VTK tries GLX, EGL and OSMesa by itself, and VTK_DEFAULT_OPENGL_WINDOW names the class to begin with.
+// From 9.4 on VTK tries GLX, EGL and OSMesa by itself, and VTK_DEFAULT_OPENGL_WINDOW names the class to begin with:
+// where there is no display, EGL, or it warns of that.
 
 namespace
 {
@@ -50,8 +53,10 @@ namespace lamella::rendering
 
 bool InstallWindows()
 {
+  const char* const display = std::getenv("DISPLAY"); // NOLINT(concurrency-mt-unsafe)
+  const bool noDisplay = display == nullptr || *display == '\0';
   for (const auto& [name, kind] : Classes)
-    if (RequestedRenderer() == name)
+    if (RequestedRenderer() == name || (RequestedRenderer() == "auto" && noDisplay && std::string_view("egl") == name))
       setenv("VTK_DEFAULT_OPENGL_WINDOW", kind, 0); // NOLINT(concurrency-mt-unsafe)
   return IsRendererKnown(RequestedRenderer());
 }
