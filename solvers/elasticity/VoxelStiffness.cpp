@@ -34,7 +34,7 @@ namespace
 
 // Every second, third and fourth voxel make pictures; of each kind about so many are solved.
 constexpr std::array strides{ 2, 3, 4 };
-constexpr std::size_t fewPictures = 8;
+constexpr std::size_t fewPictures = 4;
 // Contrast from which on stiff pieces count as rigid, and what that errs by, over the soft phases' share of the
 // stiffness.
 constexpr double nearlyRigid = 1e5;

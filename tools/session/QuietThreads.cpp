@@ -12,8 +12,9 @@ namespace lamella::cli
 namespace
 {
 
-// About ten microseconds: no longer than it takes to wake a thread up. The Python package takes the same.
-constexpr const char* spins = "300";
+// Less than a tenth of a millisecond: longer than most loops leave a thread without work, and no loss to who waits for
+// a processor. The Python package takes the same.
+constexpr const char* spins = "2000";
 
 /// A number of threads, or a scene, which may hold one.
 bool mayAskForThreads(char** arguments)

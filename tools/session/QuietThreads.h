@@ -3,7 +3,7 @@
 namespace lamella::cli
 {
 
-/// Threads that wait for others sleep instead of spinning. GNU's OpenMP library spins for milliseconds at the end of
+/// Threads that wait for others soon sleep. GNU's OpenMP library spins for milliseconds at the end of
 /// each loop, and where other programs use the processors too, the thread that is waited for is the one that does not
 /// run: two threads were then slower than one by any factor. The library takes the number of spins from the
 /// environment, as it is loaded, before main(): so where `arguments` may ask for threads the program begins anew with

@@ -27,7 +27,7 @@ import os as _os
 
 if "OMP_WAIT_POLICY" not in _os.environ:
     # GNU's OpenMP library, which is loaded next, spins for milliseconds else: slow where others use the machine too
-    _os.environ.setdefault("GOMP_SPINCOUNT", "300")
+    _os.environ.setdefault("GOMP_SPINCOUNT", "2000")
 
 from ._version import __version__
 
