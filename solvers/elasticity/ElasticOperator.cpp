@@ -157,6 +157,45 @@ void ElasticOperator<D>::forStresses(const Real* u, const ElasticLoad<D>* load, 
 
 template <int D>
 template <class Real>
+void ElasticOperator<D>::forRows(std::span<const StrainField<Real>> fields, const RowsOfFields<Real>& f) const
+{
+  const ElasticGrid<D>& g = grid_;
+  std::vector<std::vector<Real>> beside(fields.size());
+  for (std::size_t i = 0; i < fields.size(); ++i)
+    planesBeside(fields[i].u, beside[i]);
+  std::vector<float> edges = stretchX_;
+  if (!g.stretched())
+    edges.assign(static_cast<std::size_t>(g.elements[0] + spareValues), 1.0F);
+#pragma omp parallel num_threads(threads_) if (threads_ > 1)
+  {
+    std::vector<ElasticRow<D, Real>> rows(fields.size());
+    for (std::size_t i = 0; i < fields.size(); ++i)
+    {
+      rows[i] = {};
+      rows[i].count = g.elements[0];
+      rows[i].stretchX = edges.data();
+      for (std::size_t k = 0; k < voigtSize(D); ++k)
+        rows[i].strain[k] = fields[i].strain[k] * g.edge / cornerFactor<D>;
+    }
+#pragma omp for schedule(static)
+    for (std::int64_t k = g.first(); k < g.lastElements(); ++k)
+      for (std::int64_t j = 0; j < g.elementRows(); ++j)
+      {
+        for (std::size_t i = 0; i < fields.size(); ++i)
+        {
+          for (int r = 0; r < rowsAround; ++r)
+            for (int c = 0; c < D; ++c)
+              rows[i].u[c][r] = nodesAround(fields[i].u, beside[i], j, k, r, c);
+          rows[i].stretch[1] = D == 3 ? 1 / static_cast<double>(g.widthOf(1, j)) : 1;
+          rows[i].stretch[D - 1] = 1 / static_cast<double>(g.widthOf(D - 1, k));
+        }
+        f(threads_ > 1 ? omp_get_thread_num() : 0, j, k, rows);
+      }
+  }
+}
+
+template <int D>
+template <class Real>
 void ElasticOperator<D>::forPairs(std::span<const StrainField<Real>> fields, const PairPhases& phases,
   const std::function<void(std::int64_t plane, const double* sums)>& f) const
 {
@@ -176,51 +215,27 @@ void ElasticOperator<D>::forPairs(std::span<const StrainField<Real>> fields, con
     else
       return kernels.spaceDouble[several][axial ? 1 : 0];
   }();
-  std::vector<std::vector<Real>> beside(fields.size());
-  for (std::size_t i = 0; i < fields.size(); ++i)
-    planesBeside(fields[i].u, beside[i]);
-  std::vector<float> edges = stretchX_;
-  if (!g.stretched())
-    edges.assign(static_cast<std::size_t>(g.elements[0] + spareValues), 1.0F);
   const std::size_t count =
     phases.slots * static_cast<std::size_t>(pairParts(axial) * pairsOf(static_cast<int>(fields.size())));
   const double factor = cornerFactor<D> * cornerFactor<D> / (g.edge * g.edge);
-#pragma omp parallel num_threads(threads_) if (threads_ > 1)
-  {
-    std::vector<std::byte> scratch(count * pairScratch);
-    std::vector<double> sums(count);
-    std::vector<ElasticRow<D, Real>> rows(fields.size());
-    for (std::size_t i = 0; i < fields.size(); ++i)
+  const auto threads = static_cast<std::size_t>(threads_);
+  std::vector<std::vector<std::byte>> scratch(threads, std::vector<std::byte>(count * pairScratch));
+  std::vector<std::vector<double>> sums(threads, std::vector<double>(count));
+  forRows<Real>(fields,
+    [&](int thread, std::int64_t row, std::int64_t plane, std::span<const ElasticRow<D, Real>> rows)
     {
-      rows[i] = {};
-      rows[i].count = g.elements[0];
-      rows[i].stretchX = edges.data();
-      for (std::size_t k = 0; k < voigtSize(D); ++k)
-        rows[i].strain[k] = fields[i].strain[k] * g.edge / cornerFactor<D>;
-    }
-#pragma omp for schedule(static)
-    for (std::int64_t k = g.first(); k < g.lastElements(); ++k)
-    {
-      std::ranges::fill(sums, 0.0);
-      for (std::int64_t j = 0; j < g.elementRows(); ++j)
-      {
-        for (std::size_t i = 0; i < fields.size(); ++i)
-        {
-          for (int r = 0; r < rowsAround; ++r)
-            for (int c = 0; c < D; ++c)
-              rows[i].u[c][r] = nodesAround(fields[i].u, beside[i], j, k, r, c);
-          rows[i].stretch[1] = D == 3 ? 1 / static_cast<double>(g.widthOf(1, j)) : 1;
-          rows[i].stretch[D - 1] = 1 / static_cast<double>(g.widthOf(D - 1, k));
-        }
-        kernel(
-          { rows.data(), phases.phase(j, k), phases.slot.data(), axial ? phases.axis(j, k) : nullptr, scratch.data() },
-          sums.data());
-      }
-      for (double& sum : sums)
+      std::vector<double>& own = sums[static_cast<std::size_t>(thread)];
+      if (row == 0)
+        std::ranges::fill(own, 0.0);
+      kernel({ rows.data(), phases.phase(row, plane), phases.slot.data(), axial ? phases.axis(row, plane) : nullptr,
+               scratch[static_cast<std::size_t>(thread)].data() },
+        own.data());
+      if (row + 1 < g.elementRows())
+        return;
+      for (double& sum : own)
         sum *= factor;
-      f(k, sums.data());
-    }
-  }
+      f(plane, own.data());
+    });
 }
 
 template class ElasticOperator<2>;
@@ -237,5 +252,9 @@ template void ElasticOperator<2>::forPairs(std::span<const StrainField<double>>,
   const std::function<void(std::int64_t, const double*)>&) const;
 template void ElasticOperator<3>::forPairs(std::span<const StrainField<double>>, const PairPhases&,
   const std::function<void(std::int64_t, const double*)>&) const;
+template void ElasticOperator<2>::forRows(std::span<const StrainField<float>>, const RowsOfFields<float>&) const;
+template void ElasticOperator<2>::forRows(std::span<const StrainField<double>>, const RowsOfFields<double>&) const;
+template void ElasticOperator<3>::forRows(std::span<const StrainField<float>>, const RowsOfFields<float>&) const;
+template void ElasticOperator<3>::forRows(std::span<const StrainField<double>>, const RowsOfFields<double>&) const;
 
 } // namespace lamella::elasticity

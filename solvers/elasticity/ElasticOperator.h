@@ -159,6 +159,14 @@ public:
   template <class Real>
   void forStresses(const Real* u, const ElasticLoad<D>* load, const StressRow& f) const;
 
+  /// f(thread, row, plane, rows) for every row of elements of the rank, with the nodes around it of each field; moduli
+  /// are not told, stretchX is not null. A plane's rows follow each other in one thread.
+  template <class Real>
+  using RowsOfFields =
+    std::function<void(int thread, std::int64_t row, std::int64_t plane, std::span<const ElasticRow<D, Real>> rows)>;
+  template <class Real>
+  void forRows(std::span<const StrainField<Real>> fields, const RowsOfFields<Real>& f) const;
+
   /// f(plane, sums) for every plane of elements of the rank, by its thread: sums of PairKernel over the plane, of
   /// strains over 1, ∫ over a voxel's volume. @param fields one, or voigtSize(D)
   template <class Real>

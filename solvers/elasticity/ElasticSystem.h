@@ -5,6 +5,7 @@
 #include "elasticity/RigidPieces.h"
 #include "elasticity/StiffPieces.h"
 #include "elasticity/StoredModuli.h"
+#include "elasticity/SurfaceChanges.h"
 
 #include <array>
 #include <cstdint>
@@ -141,6 +142,16 @@ public:
   /// [p * pairs + triangle(fields, i, j)] [Pa over the number's unit]. Collective.
   /// @param fields  one, or voigtSize(D) of them; of this box, whatever its sides held
   [[nodiscard]] std::vector<double> changes(std::span<const Field> fields, std::size_t numbers) const;
+  /// The same by where the surface between each two phases that meet lies. Where a phase a grows by δ into b, the
+  /// change is the mean of (B_a − B_b) δ over the surface times its area over the volume: with what no surface jumps
+  /// in, the strain p along it and the traction t, B = p A p + 2 t G p − t S t, in which S is the inverse of the
+  /// acoustic tensor N = m C m of the normal m, G = S (m C) and A = C − (C m) S (m C) (Hadamard's derivative of the
+  /// energy; the fields' own change counts to second order).
+  ///
+  /// A picture has steps instead of surfaces: p is that of the voxels of the stiffer phase beside a step, t that of the
+  /// softer phase's, normals are from 3 × 3 (× 3) voxels, and a step's face counts for |m| of the surface. Flat
+  /// surfaces along the axes are exact.
+  [[nodiscard]] std::vector<SurfaceChange> surfaces(std::span<const Field> fields) const;
   [[nodiscard]] double scale() const noexcept { return scale_; } ///< the largest modulus [Pa]
   [[nodiscard]] std::size_t bytes() const noexcept;              ///< of this rank, the picture's included
   [[nodiscard]] std::size_t levels() const noexcept { return multigrid_->levels(); }

@@ -172,7 +172,7 @@ public:
     requireSides();
     if (options_.tensor)
     {
-      const Solved cell = solve(lattice_, phase_, axis_, solid, progressOf(0, own, all), all_, options_.numbers);
+      const Solved cell = solve(lattice_, phase_, axis_, solid, progressOf(0, own, all), all_, true);
       if (cell.step.stiffness.empty())
         throw NoPathError(
           "the solid leads across the box along no axis", "take another window, or make it less porous");
@@ -220,6 +220,7 @@ private:
     std::vector<double> held; ///< mean stress of the box that expands by a unit and is not let
     std::array<double, n * n> voigt{};
     std::vector<std::vector<double>> changes;
+    std::vector<StiffnessSurface> surfaces;
     double changeSeconds = 0;
     double solverError = 0;
     std::size_t levels = 0;
@@ -387,24 +388,24 @@ private:
     { return !options_.progress || options_.progress((from + length * share) / all); };
   }
 
-  // In single precision, and where that does not end, in double. @param numbers to tell changes by
+  // In single precision, and where that does not end, in double. @param tells changes, where they are asked for
   Solved solve(const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid,
-    const Progress& progress, const Crew& crew, std::size_t numbers = 0) const
+    const Progress& progress, const Crew& crew, bool tells = false) const
   {
     try
     {
-      return solve(lattice, phase, axis, solid, progress, crew, numbers, options_.tolerance < finestSingle);
+      return solve(lattice, phase, axis, solid, progress, crew, tells, options_.tolerance < finestSingle);
     }
     catch (const DivergenceError&)
     {
       if (options_.tolerance < finestSingle)
         throw;
     }
-    return solve(lattice, phase, axis, solid, progress, crew, numbers, true);
+    return solve(lattice, phase, axis, solid, progress, crew, tells, true);
   }
 
   Solved solve(const Lattice& lattice, std::span<const std::uint8_t> phase, Axes axis, const Solid& solid,
-    const Progress& progress, const Crew& crew, std::size_t numbers, bool exact) const
+    const Progress& progress, const Crew& crew, bool tells, bool exact) const
   {
     const double start = seconds();
     Solved s;
@@ -422,8 +423,9 @@ private:
     ElasticOptions settings = solverOptions([&](double done) { return progress((load + done) / loads); });
     settings.fields = exact;
     Solver solver(std::move(problem), settings);
-    double doubt = 0;                                     // [Pa]
-    std::vector<typename ElasticSystem<D>::Field> fields; // for changes
+    double doubt = 0; // [Pa]
+    const bool keeps = tells && (options_.numbers > 0 || options_.surfaces);
+    std::vector<Field> fields; // for changes
     const auto count = [&](const ElasticResult<D>& result)
     {
       s.step.iterations.push_back(result.iterations);
@@ -449,7 +451,7 @@ private:
         else if (!between(options_.sides) || k == load)
           s.tensor(k, load) = result.stress[static_cast<std::size_t>(k)];
       count(result);
-      if (numbers > 0)
+      if (keeps)
       {
         const double copying = seconds();
         fields.push_back(system.field(unit));
@@ -477,7 +479,7 @@ private:
     const double found = s.tensor.diagonal().maxCoeff();
     const bool strains = options_.sides != StiffnessSides::UniformStress;
     if (!exact && (!(found > soft * most) || (strains && doubt > poor * found)))
-      return solve(lattice, phase, axis, solid, progress, crew, numbers, true);
+      return solve(lattice, phase, axis, solid, progress, crew, tells, true);
     if (exact && strains && found > none * most && doubt > lost * found)
       throw DivergenceError(
         fmt::format("iterations leave {:.1g} of the stiffness: the phases' contrast is more than numbers can tell",
@@ -494,8 +496,8 @@ private:
           if (k != l && (k >= D || l >= D))
             s.tensor(k, l) = 0;
     s.step.seconds = seconds() - start;
-    if (numbers > 0)
-      tellChanges(s, solver.system(), fields, numbers);
+    if (keeps)
+      tellChanges(s, solver.system(), fields);
     for (const auto& field : fields)
       s.bytes += crew.ranks.sum(static_cast<double>(field.bytes()));
     const Eigen::MatrixXd even = 0.5 * (s.tensor + s.tensor.transpose());
@@ -503,36 +505,75 @@ private:
     return s;
   }
 
-  // Of s.tensor, by each number. @param fields one a load
-  void tellChanges(Solved& s, const ElasticSystem<D>& system,
-    const std::vector<typename ElasticSystem<D>::Field>& fields, std::size_t numbers) const
+  using Field = typename ElasticSystem<D>::Field;
+
+  // Of s.tensor, by numbers and by surfaces. @param fields one a load
+  void tellChanges(Solved& s, const ElasticSystem<D>& system, const std::vector<Field>& fields) const
   {
     const double start = seconds();
-    std::vector<Eigen::MatrixXd> by(numbers, Eigen::MatrixXd::Zero(n, n));
+    if (options_.numbers > 0)
+      s.changes = tensorChanges(s, system, fields,
+        [&](std::span<const Field> some)
+        {
+          const std::vector<double> all = system.changes(some, options_.numbers);
+          const std::size_t each = all.size() / options_.numbers;
+          std::vector<std::vector<double>> by;
+          for (auto at = all.begin(); at != all.end(); at += static_cast<std::ptrdiff_t>(each))
+            by.emplace_back(at, at + static_cast<std::ptrdiff_t>(each));
+          return by;
+        });
+    if (options_.surfaces)
+    {
+      std::vector<SurfaceChange> found;
+      std::vector<std::vector<double>> changes = tensorChanges(s, system, fields,
+        [&](std::span<const Field> some)
+        {
+          found = system.surfaces(some);
+          std::vector<std::vector<double>> by;
+          for (const SurfaceChange& surface : found)
+            by.push_back(surface.shift);
+          return by;
+        });
+      for (std::size_t i = 0; i < found.size(); ++i)
+        s.surfaces.push_back({ found[i].first, found[i].second, found[i].area, std::move(changes[i]), {} });
+    }
+    s.changeSeconds += seconds() - start;
+  }
+
+  // How the tensor changes with each of some things. @param of  by pairs of the fields that it is given
+  std::vector<std::vector<double>> tensorChanges(const Solved& s, const ElasticSystem<D>& system,
+    std::span<const Field> fields,
+    const std::function<std::vector<std::vector<double>>(std::span<const Field>)>& of) const
+  {
+    std::vector<Eigen::MatrixXd> by;
+    const auto start = [&](const std::vector<std::vector<double>>& found)
+    { by.resize(found.size(), Eigen::MatrixXd::Zero(n, n)); };
     if (between(options_.sides)) // each for itself
       for (int k = 0; k < D; ++k)
       {
-        const std::vector<double> own =
-          system.changes(std::span(fields).subspan(static_cast<std::size_t>(k), 1), numbers);
-        for (std::size_t p = 0; p < numbers; ++p)
-          by[p](k, k) = own[p];
+        const auto own = of(fields.subspan(static_cast<std::size_t>(k), 1));
+        start(own);
+        for (std::size_t p = 0; p < own.size(); ++p)
+          by[p](k, k) = own[p].front();
       }
     else
     {
-      const std::vector<double> all = system.changes(fields, numbers);
-      for (std::size_t p = 0; p < numbers; ++p)
+      const auto all = of(fields);
+      start(all);
+      for (std::size_t p = 0; p < all.size(); ++p)
         for (int i = 0; i < n; ++i)
           for (int j = 0; j < n; ++j)
             if (options_.sides != StiffnessSides::Straight || i == j || (i < D && j < D)) // as the tensor
-              by[p](i, j) = all[p * pairsOf(n) + static_cast<std::size_t>(triangle(n, i, j))];
+              by[p](i, j) = all[p][static_cast<std::size_t>(triangle(n, i, j))];
     }
+    std::vector<std::vector<double>> changes;
     for (Eigen::MatrixXd& change : by)
     {
       if (options_.sides == StiffnessSides::UniformStress) // of the compliance it is −change
         change = (s.tensor * change * s.tensor / (system.scale() * system.scale())).eval();
-      s.changes.emplace_back(change.data(), change.data() + n * n);
+      changes.emplace_back(change.data(), change.data() + n * n);
     }
-    s.changeSeconds += seconds() - start;
+    return changes;
   }
 
   template <class Progress>
@@ -798,6 +839,9 @@ private:
     r.changes = cell.changes;
     for (const std::vector<double>& change : r.changes)
       r.constantChanges.push_back(constantChanges(r.stiffness, change, D, r.zero));
+    r.surfaces = cell.surfaces;
+    for (StiffnessSurface& surface : r.surfaces)
+      surface.constantChange = constantChanges(r.stiffness, surface.change, D, r.zero);
     r.changeSeconds = cell.changeSeconds;
     r.steps.push_back(cell.step);
     r.levels = cell.levels;
@@ -1189,7 +1233,7 @@ VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::
   bool deforms = false;
   VoxelKinds kinds;
   kinds.fields = static_cast<bool>(options.fields);
-  kinds.changes = options.numbers > 0 && options.tensor;
+  kinds.changes = (options.numbers > 0 || options.surfaces) && options.tensor;
   for (std::size_t id = 0; id < present.size(); ++id)
   {
     if (id < materials.size())
@@ -1232,6 +1276,9 @@ VoxelStiffness studyVoxelStiffness(const Lattice& lattice, std::span<const std::
         ? std::string("shares of pixels that are split")
         : fmt::format("{} shares for {} phases", options.shares.size(), materials.size()),
       "give each phase one, and leave pixels as they are");
+  if (options.surfaces && !options.shares.empty())
+    throw ParameterError(
+      "a segmentation error of voxels that two phases share", "take the surfaces of whole voxels, or leave it out");
   const bool ownAxes = !options.shares.empty() && axis.empty();
   if (kinds.turns && !ownAxes && axis.size() != phase.size())
     throw ParameterError(fmt::format("{} axes for {} voxels", axis.size(), phase.size()),

@@ -69,6 +69,7 @@ struct VoxelStiffnessOptions
   /// How many numbers the materials' `changes` are by: how the tensor changes with them, from the fields of its solves,
   /// which are all kept till the end (voigtSize of them, 4 bytes a component and node). 0: not wanted.
   std::size_t numbers = 0;
+  bool surfaces = false; ///< the same by where the surfaces between phases lie; not of shares
   /// Of voxels that two phases share (SharedVoxels.h): by phase id the share of the second. Axes of phases that have
   /// some then lead across the surface, unless they are given, and coarser pictures are means. Empty: whole voxels.
   std::vector<double> shares;
@@ -102,6 +103,16 @@ struct VoxelLoaded
   std::vector<double> changes;
 };
 
+/// How the tensor changes with where the surface between two phases that meet lies.
+struct StiffnessSurface
+{
+  std::uint8_t first = 0, second = 0; ///< phase ids, the first one the lower
+  double area = 0;                    ///< over the box's volume [1 / edge of a voxel along x]
+  /// Where the first grows into the second by that edge: of `stiffness` [Pa], and of constantValues(); from the fields
+  /// of the unit strains (ElasticSystem::surfaces).
+  std::vector<double> change, constantChange;
+};
+
 struct VoxelStiffness
 {
   /// Components² by rows, Voigt's order, shears as angles [Pa]; symmetric. Between platens the diagonal alone: stress
@@ -122,7 +133,8 @@ struct VoxelStiffness
   /// is 2 μ that from above. As exact as the fields: the root of `tolerance`. 0 of phases that count as rigid.
   std::vector<std::vector<double>> changes;
   std::vector<std::vector<double>> constantChanges; ///< the same of constantValues()
-  double changeSeconds = 0;                         ///< for these, copies of the fields included
+  std::vector<StiffnessSurface> surfaces;           ///< where they were asked for
+  double changeSeconds = 0;                         ///< for all these, copies of the fields included
   StiffnessError error;
   std::vector<StiffnessStep> steps; ///< every solve, in order
   /// Of the diagonal's components, "xx" ..., and of the constants, by their names; without those that some window does

@@ -52,6 +52,7 @@ std::vector<statistics::WindowError> stiffnessWindows(const Lattice& lattice, st
   own.load.reset();
   own.fields = {};
   own.numbers = 0;
+  own.surfaces = false;
   own.estimateError = false;
   own.windowError = false;
   own.nodesPerPixel = 1;

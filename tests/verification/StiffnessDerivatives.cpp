@@ -8,6 +8,7 @@
 #include "core/Communicator.h"
 #include "core/Error.h"
 
+#include <Eigen/Dense>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -117,6 +118,7 @@ VoxelStiffness solved(const Case& c, const Sample& sample, const std::vector<Con
   o.estimateError = false;
   o.tolerance = 1e-13;
   o.numbers = derivatives ? numbersOf(phases) : 0;
+  o.surfaces = derivatives;
   o.ranks = Communicator(MPI_COMM_WORLD);
   if (more)
     more(o);
@@ -353,6 +355,13 @@ TEST(StiffnessDerivativesAlone, OnRanksAndThreads)
         });
       EXPECT_EQ(all.changes, one.changes);
       EXPECT_EQ(threads.changes, one.changes);
+      ASSERT_EQ(one.surfaces.size(), 3U);
+      for (std::size_t p = 0; p < one.surfaces.size(); ++p)
+        for (const VoxelStiffness* const other : { &all, &threads })
+        {
+          EXPECT_EQ(other->surfaces[p].change, one.surfaces[p].change);
+          EXPECT_EQ(other->surfaces[p].area, one.surfaces[p].area);
+        }
       // fields err by the root of the tolerance at most, and hardly ever all to one side
       const VoxelStiffness exact = solved(c, sample, c.phases, true);
       const double most = std::ranges::max(exact.stiffness);
@@ -364,11 +373,182 @@ TEST(StiffnessDerivativesAlone, OnRanksAndThreads)
     }
 }
 
+// By where surfaces lie.
+
+/// The upper triangle of a phase's tensor as a matrix; of one with an axis, that along x.
+Eigen::MatrixXd tensorOf(const VoxelMaterial& material, int n)
+{
+  Eigen::MatrixXd c(n, n);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < n; ++j)
+      c(i, j) = material.stiffness[static_cast<std::size_t>(triangle(n, i, j))];
+  return c;
+}
+
+/// Layers across an axis, each phase's share given: averages of what strain along the layers and traction are the
+/// factors of (Backus, J. Geophys. Res. 67 (1962) 4427).
+Eigen::MatrixXd layered(
+  const std::vector<Eigen::MatrixXd>& phases, const std::vector<double>& shares, int dimension, int axis)
+{
+  const int n = voigtSize(dimension);
+  std::vector<Eigen::Index> across;
+  std::vector<Eigen::Index> along;
+  for (int k = 0; k < n; ++k)
+  {
+    bool touches = k == axis;
+    for (int a = 0; a < dimension; ++a)
+      touches = touches || voigt(dimension, a, axis) == k;
+    (touches ? across : along).push_back(k);
+  }
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n - dimension, n - dimension);
+  Eigen::MatrixXd g = Eigen::MatrixXd::Zero(n - dimension, dimension);
+  Eigen::MatrixXd s = Eigen::MatrixXd::Zero(dimension, dimension);
+  for (std::size_t p = 0; p < phases.size(); ++p)
+  {
+    const Eigen::MatrixXd yield = phases[p](across, across).inverse();
+    const Eigen::MatrixXd coupled = phases[p](along, across);
+    s += shares[p] * yield;
+    g += shares[p] * coupled * yield;
+    a += shares[p] * (phases[p](along, along) - coupled * yield * coupled.transpose());
+  }
+  const Eigen::MatrixXd stiff = s.inverse();
+  Eigen::MatrixXd whole(n, n);
+  whole(across, across) = stiff;
+  whole(along, across) = g * stiff;
+  whole(across, along) = whole(along, across).transpose();
+  whole(along, along) = a + g * stiff * g.transpose();
+  return whole;
+}
+
+// Layers of 6, 6 and 4 voxels, which meet in pairs once each, across every axis: exact where surfaces are flat. One
+// phase has an axis.
+TEST(StiffnessSurfaces, OfLayersAreExact)
+{
+  for (const Continuum continuum : { Continuum::PlaneStress, Continuum::PlaneStrain, Continuum::Space })
+  {
+    const int d = continuum == Continuum::Space ? 3 : 2;
+    const int n = voigtSize(d);
+    for (int axis = 0; axis < d; ++axis)
+      for (const bool turned : { false, true })
+      {
+        Case c{ "layers", continuum, StiffnessSides::Periodic, { 3, 3, d == 3 ? 3 : 1 },
+          { { 1e9, 0.1 }, { 8e9, 0.3 }, { 3e9, 0.4 } } };
+        c.size[static_cast<std::size_t>(axis)] = 16;
+        c.aspect = { 1, 1.5, d == 3 ? 0.8 : 1 };
+        if (turned)
+          c.phases[1] = { 8e9, 5e9, 0.3, 0.25, 2e9 };
+        Sample sample(c);
+        for (std::size_t i = 0; i < sample.phase.size(); ++i)
+        {
+          const std::int64_t x = static_cast<std::int64_t>(i) % c.size[0];
+          const std::int64_t y = static_cast<std::int64_t>(i) / c.size[0] % c.size[1];
+          const std::int64_t z = static_cast<std::int64_t>(i) / (c.size[0] * c.size[1]);
+          const std::int64_t at = axis == 0 ? x : axis == 1 ? y : z;
+          sample.phase[i] = at < 6 ? 0 : at < 12 ? 1 : 2;
+          sample.axis[i] = { 0.6F, 0.7F, d == 3 ? 0.4F : 0.0F };
+        }
+        const VoxelStiffness box =
+          solved(c, sample, c.phases, false, [](VoxelStiffnessOptions& o) { o.surfaces = true; });
+        std::vector<Eigen::MatrixXd> phases;
+        for (const Constants& p : c.phases)
+        {
+          const auto length = std::sqrt(0.85 + (d == 3 ? 0.16 : 0));
+          phases.push_back(tensorOf(materialsOf(continuum, { p }).front(), n));
+          if (p.size() == 5)
+          {
+            VoxelMaterial m;
+            m.stiffness = transverseStiffness(
+              continuum, transverse(p), { 0.6 / length, 0.7 / length, d == 3 ? 0.4 / length : 0.0 });
+            phases.back() = tensorOf(m, n);
+          }
+        }
+        const std::vector<double> shares{ 6.0 / 16, 6.0 / 16, 4.0 / 16 };
+        ASSERT_EQ(box.surfaces.size(), 3U);
+        const double most = std::ranges::max(box.stiffness);
+        for (const StiffnessSurface& surface : box.surfaces)
+        {
+          const double h = 1e-4;
+          const auto moved = [&](double by)
+          {
+            std::vector<double> own = shares;
+            own[surface.first] += by;
+            own[surface.second] -= by;
+            return layered(phases, own, d, axis);
+          };
+          // a voxel's edge along x over the box's length
+          const double share = 1 / (16 * c.aspect[static_cast<std::size_t>(axis)]);
+          const Eigen::MatrixXd truth = share * (moved(h) - moved(-h)) / (2 * h);
+          EXPECT_NEAR(surface.area, share, 1e-12);
+          for (int i = 0; i < n; ++i)
+            for (int j = 0; j < n; ++j)
+              EXPECT_NEAR(surface.change[static_cast<std::size_t>(i * n + j)], truth(i, j), 2e-6 * share * most)
+                << d << ' ' << axis << turned << ' ' << int{ surface.first } << int{ surface.second } << ' ' << i << j;
+        }
+      }
+  }
+}
+
+// A disk and a ball, against the difference of finer solves: what steps of voxels leave of the derivative.
+TEST(StiffnessSurfaces, AreNearlyExactAroundDisksAndBalls)
+{
+  for (const bool space : { false, true })
+  {
+    const std::int64_t n = space ? 24 : 64;
+    const std::int64_t finer = space ? 2 : 4;
+    const double radius = 0.32 * static_cast<double>(n);
+    const auto drawn = [&](std::int64_t edge, double r)
+    {
+      Case c{ "round", space ? Continuum::Space : Continuum::PlaneStrain, StiffnessSides::Periodic,
+        { edge, edge, space ? edge : 1 } };
+      Sample sample(c);
+      const double middle = 0.5 * static_cast<double>(edge) + 0.13;
+      for (std::size_t i = 0; i < sample.phase.size(); ++i)
+      {
+        const auto x = static_cast<double>(static_cast<std::int64_t>(i) % edge) + 0.5 - middle;
+        const auto y = static_cast<double>(static_cast<std::int64_t>(i) / edge % edge) + 0.5 - middle;
+        const auto z = space ? static_cast<double>(static_cast<std::int64_t>(i) / (edge * edge)) + 0.5 - middle : 0.0;
+        sample.phase[i] = x * x + y * y + z * z < r * r ? 1 : 0;
+      }
+      return std::pair{ c, sample };
+    };
+    for (const Constants& inside : std::vector<Constants>{ {}, { 1e8, 0.3 }, { 1e10, 0.2 }, { 0 } })
+    {
+      const std::vector<Constants> phases{ { 1e9, 0.3 }, inside };
+      const auto loose = [](VoxelStiffnessOptions& o) { o.tolerance = 1e-8; };
+      const auto [c, sample] = drawn(n, radius);
+      const VoxelStiffness box = solved(c, sample, phases, false,
+        [&](VoxelStiffnessOptions& o)
+        {
+          loose(o);
+          o.surfaces = true;
+        });
+      const double step = 1.5;
+      const auto [more, large] = drawn(finer * n, static_cast<double>(finer) * (radius + step));
+      const auto [less, small] = drawn(finer * n, static_cast<double>(finer) * (radius - step));
+      const std::vector<double> high = solved(more, large, phases, false, loose).stiffness;
+      const std::vector<double> low = solved(less, small, phases, false, loose).stiffness;
+      const std::size_t m = space ? 6 : 3;
+      ASSERT_EQ(box.surfaces.size(), 1U);
+      for (const std::size_t at : { std::size_t{ 0 }, std::size_t{ 1 }, m * m - 1 })
+      {
+        const double truth = -(high[at] - low[at]) / (2 * step); // phase 0 grows where the disk shrinks
+        EXPECT_GT(box.surfaces[0].change[at] / truth, 0.7) << space << ' ' << inside.size() << ' ' << at;
+        EXPECT_LT(box.surfaces[0].change[at] / truth, 1.15) << space << ' ' << inside.size() << ' ' << at;
+        RecordProperty("part_" + std::to_string(space) + std::to_string(inside.size()) + std::to_string(at),
+          std::to_string(box.surfaces[0].change[at] / truth));
+      }
+    }
+  }
+}
+
 TEST(StiffnessDerivativesAlone, WhatIsRefused)
 {
   const Case c{ "numbers" };
   const Sample sample(c);
-  EXPECT_THROW((void)solved(c, sample, c.phases, true, [](auto& o) { o.numbers = 2; }), ParameterError);
+  EXPECT_THROW((void)solved(
+                 c, sample, c.phases, true, [](auto& o) { o.numbers = 2; }),
+    ParameterError);
+  EXPECT_THROW((void)solved(c, sample, c.phases, true, [](auto& o) { o.shares = { 0, 1, 0.5 }; }), ParameterError);
 }
 
 } // namespace

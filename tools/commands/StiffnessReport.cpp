@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <vector>
 
@@ -128,15 +129,16 @@ struct Changes
     , uncertainty(fieldNumbers(f.data, "material_uncertainty"))
   {
   }
-  /// @param all by number, so many values each
-  [[nodiscard]] std::vector<double> of(const std::vector<double>& all, std::size_t i) const
-  {
-    std::vector<double> by;
-    for (std::size_t p = 0; p < names.size() && !all.empty(); ++p)
-      by.push_back(all.at(p * (all.size() / names.size()) + i));
-    return by;
-  }
 };
+
+/// One of what each of so many has in turn. @param all none: nothing
+std::vector<double> oneOfEach(const std::vector<double>& all, std::size_t count, std::size_t i)
+{
+  std::vector<double> by;
+  for (std::size_t p = 0; p < count && !all.empty(); ++p)
+    by.push_back(all.at(p * (all.size() / count) + i));
+  return by;
+}
 
 } // namespace
 
@@ -146,6 +148,8 @@ void addSensitivity(Json& json, const Fields& f)
   Json relative;
   Json inputs;
   Json totals;
+  Json surfaces;
+  Json segmentation;
   const Changes changes(f);
   const auto add = [&](const std::string& name, double value, const std::vector<double>& by)
   {
@@ -158,12 +162,19 @@ void addSensitivity(Json& json, const Fields& f)
   const std::vector<std::string> names = fieldTexts(f.data, "constant_names");
   const std::vector<double> input = fieldNumbers(f.data, "constants_input_error");
   const std::vector<double> total = fieldNumbers(f.data, "constants_total_error");
+  const std::vector<std::string> pairs = fieldTexts(f.data, "surface_pairs");
+  const std::vector<double> doubts = fieldNumbers(f.data, "constants_segmentation_error");
   for (std::size_t i = 0; i < names.size(); ++i)
   {
     const double value = f("constants", i);
-    add(names[i], value, changes.of(fieldNumbers(f.data, "constants_sensitivity"), i));
+    add(names[i], value, oneOfEach(fieldNumbers(f.data, "constants_sensitivity"), changes.names.size(), i));
     if (!input.empty())
       inputs[names[i]] = jsonNumber(input[i] / std::abs(value));
+    const std::vector<double> moved = oneOfEach(fieldNumbers(f.data, "constants_surface_sensitivity"), pairs.size(), i);
+    for (std::size_t p = 0; p < moved.size(); ++p)
+      surfaces[names[i]][pairs[p]] = jsonNumber(moved[p]);
+    if (!doubts.empty())
+      segmentation[names[i]] = jsonNumber(doubts[i] / std::abs(value));
     if (!total.empty())
       totals[names[i]] = jsonNumber(total[i] / std::abs(value));
   }
@@ -172,6 +183,9 @@ void addSensitivity(Json& json, const Fields& f)
   json["sensitivity"] = std::move(sensitivity);
   json["relative_sensitivity"] = std::move(relative);
   json["input_errors"] = std::move(inputs);
+  json["surface_doubt"] = doubts.empty() ? Json() : Json(f("surface_doubt"));
+  json["surface_sensitivity"] = std::move(surfaces);
+  json["segmentation_errors"] = std::move(segmentation);
   json["total_errors"] = std::move(totals);
 }
 
@@ -179,6 +193,7 @@ std::string sensitivityText(const Fields& f)
 {
   const Changes changes(f);
   std::string text;
+  std::string moved;
   std::string whole;
   const auto add = [&](const std::string& name, double value, const std::vector<double>& by)
   {
@@ -193,20 +208,28 @@ std::string sensitivityText(const Fields& f)
   const std::vector<std::string> names = fieldTexts(f.data, "constant_names");
   const std::vector<double> sensitivity = fieldNumbers(f.data, "constants_sensitivity");
   const bool total = !fieldNumbers(f.data, "constants_total_error").empty();
+  const std::vector<double> doubts = fieldNumbers(f.data, "constants_segmentation_error");
+  const double doubt = doubts.empty() ? std::numeric_limits<double>::quiet_NaN() : f("surface_doubt");
   for (std::size_t i = 0; i < names.size(); ++i)
   {
     const double value = f("constants", i);
     if (names[i].starts_with("nu") || !(value > 0))
       continue;
-    add(names[i], value, changes.of(sensitivity, i));
+    add(names[i], value, oneOfEach(sensitivity, changes.names.size(), i));
+    if (!doubts.empty())
+      moved += fmt::format("    {:<6}  {}\n", names[i], percent(doubts[i] / value));
     const auto [unit, unitName] = stressUnit(value);
     if (total)
-      whole += totalText({ names[i], 6, value / unit, std::string(" ") + unitName }, constantErrorParts(f.data, i));
+      whole +=
+        totalText({ names[i], 6, value / unit, std::string(" ") + unitName }, constantErrorParts(f.data, i), doubt);
   }
   if (const std::vector<double> energy = fieldNumbers(f.data, "load_energy_sensitivity"); !energy.empty())
     add("energy", f("load_energy"), energy);
   if (!text.empty())
     text = "  1 % more of a phase's constant changes the box's by\n" + text;
+  if (!moved.empty())
+    text +=
+      fmt::format("  surfaces within {:.2g} pixels of where the picture has them change the box's by\n", doubt) + moved;
   return text + (whole.empty() ? whole : totalHeading + whole);
 }
 

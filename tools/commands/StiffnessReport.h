@@ -14,8 +14,8 @@ void addStiffness(Json& json, const Fields& f);
 /// Iterations, and the solves of the box and of the coarser pictures. @param refine how often pixels were split
 void addStiffnessSolves(Json& json, const Fields& f, int refine);
 
-/// `sensitivity`, `relative_sensitivity`, `input_errors`, `total_errors` by constant, of a load alone by `energy`; null
-/// where they were not asked for.
+/// `sensitivity`, `relative_sensitivity`, `input_errors`, `surface_sensitivity`, `segmentation_errors`, `total_errors`
+/// by constant, the first two of a load alone by `energy`, and `surface_doubt`; null where they were not asked for.
 void addSensitivity(Json& json, const Fields& f);
 /// The same of the moduli, for people; empty where nothing was asked for.
 [[nodiscard]] std::string sensitivityText(const Fields& f);

@@ -249,12 +249,8 @@ bool vtkSteadyDiffusion::TellsSurfaces() const
 // The image's field data are on the ranks that hold it.
 void vtkSteadyDiffusion::TakeDoubt(vtkImageData* input, const lamella::Team& team)
 {
-  const double known = lamella::Communicator(team.comm()).max(lamella::surfaceDoubtOf(input));
-  const double doubt = this->SurfaceDoubt > 0 ? this->SurfaceDoubt : known;
-  if (!(doubt > 0))
-    throw lamella::ParameterError("nothing tells how far surfaces may lie from where the picture has them",
-      "give the doubt in pixels, or read the grey picture and let it be segmented");
-  this->Internal->Found.surfaceDoubt = doubt;
+  this->Internal->Found.surfaceDoubt =
+    lamella::surfaceDoubt(input, this->SurfaceDoubt, lamella::Communicator(team.comm()));
 }
 
 const lamella::SteadyFindings& vtkSteadyDiffusion::GetFindings() const

@@ -13,6 +13,19 @@
 
 namespace lamella
 {
+namespace
+{
+
+void setRows(vtkDataObject* data, const char* name, const std::vector<std::vector<double>>& rows)
+{
+  std::vector<double> flat;
+  for (const std::vector<double>& row : rows)
+    flat.insert(flat.end(), row.begin(), row.end());
+  if (!flat.empty())
+    setFieldNumbers(data, name, flat);
+}
+
+} // namespace
 
 void setSensitivity(
   vtkDataObject* data, const elasticity::VoxelStiffness& found, std::span<const MaterialNumber> numbers)
@@ -29,16 +42,8 @@ void setSensitivity(
   setFieldTexts(data, "material_numbers", names);
   setFieldNumbers(data, "material_values", values);
   setFieldNumbers(data, "material_uncertainty", uncertainty);
-  const auto rows = [data](const char* name, const std::vector<std::vector<double>>& all)
-  {
-    std::vector<double> flat;
-    for (const std::vector<double>& row : all)
-      flat.insert(flat.end(), row.begin(), row.end());
-    if (!flat.empty())
-      setFieldNumbers(data, name, flat);
-  };
-  rows("stiffness_sensitivity", found.changes);
-  rows("constants_sensitivity", found.constantChanges);
+  setRows(data, "stiffness_sensitivity", found.changes);
+  setRows(data, "constants_sensitivity", found.constantChanges);
   if (!found.loaded || found.loaded->changes.empty())
     return;
   std::vector<double> energy = found.loaded->changes;
@@ -47,22 +52,48 @@ void setSensitivity(
   setFieldNumbers(data, "load_energy_sensitivity", energy);
 }
 
-void setConstantErrors(
-  vtkDataObject* data, const elasticity::VoxelStiffness& found, std::span<const MaterialNumber> numbers, bool uncertain)
+void setSurfaces(
+  vtkDataObject* data, const elasticity::VoxelStiffness& found, std::span<const std::string> names, double doubt)
+{
+  std::vector<std::string> pairs;
+  std::vector<std::vector<double>> changes;
+  std::vector<std::vector<double>> constants;
+  std::vector<double> errors(elasticity::constantValues(found.constants).size(), 0.0);
+  const auto nameOf = [&](std::size_t id) { return id < names.size() ? names[id] : std::to_string(id); };
+  for (const elasticity::StiffnessSurface& surface : found.surfaces)
+  {
+    pairs.push_back(nameOf(surface.first) + ":" + nameOf(surface.second));
+    changes.push_back(surface.change);
+    constants.push_back(surface.constantChange);
+    for (std::size_t i = 0; i < errors.size(); ++i)
+      errors[i] += std::pow(doubt * surface.constantChange[i], 2); // they are independent
+  }
+  for (double& error : errors)
+    error = std::sqrt(error);
+  setFieldNumber(data, "surface_doubt", doubt);
+  setFieldTexts(data, "surface_pairs", pairs);
+  setRows(data, "stiffness_surface_sensitivity", changes);
+  setRows(data, "constants_surface_sensitivity", constants);
+  setFieldNumbers(data, "constants_segmentation_error", errors);
+}
+
+void setInputErrors(
+  vtkDataObject* data, const elasticity::VoxelStiffness& found, std::span<const MaterialNumber> numbers)
+{
+  std::vector<double> inputs;
+  for (std::size_t i = 0; i < elasticity::constantValues(found.constants).size(); ++i)
+  {
+    double sum = 0; // they are independent
+    for (std::size_t p = 0; p < numbers.size(); ++p)
+      sum += std::pow(found.constantChanges[p][i] * numbers[p].uncertainty, 2);
+    inputs.push_back(std::sqrt(sum));
+  }
+  setFieldNumbers(data, "constants_input_error", inputs);
+}
+
+void setTotalErrors(vtkDataObject* data, const elasticity::VoxelStiffness& found)
 {
   const std::vector<double> values = elasticity::constantValues(found.constants);
-  if (uncertain)
-  {
-    std::vector<double> inputs;
-    for (std::size_t i = 0; i < values.size(); ++i)
-    {
-      double sum = 0; // they are independent
-      for (std::size_t p = 0; p < numbers.size(); ++p)
-        sum += std::pow(found.constantChanges[p][i] * numbers[p].uncertainty, 2);
-      inputs.push_back(std::sqrt(sum));
-    }
-    setFieldNumbers(data, "constants_input_error", inputs);
-  }
   std::vector<double> totals;
   for (std::size_t i = 0; i < values.size(); ++i)
     totals.push_back(statistics::totalError(constantErrorParts(data, i)) * std::abs(values[i]));
@@ -88,6 +119,7 @@ std::vector<statistics::ErrorPart> constantErrorParts(vtkDataObject* data, std::
   const auto window =
     std::ranges::find(windows, fieldTexts(data, "constant_names").at(constant), &statistics::WindowError::name);
   add("window", window != windows.end() ? window->relative() : unknown);
+  add("segmentation", at("constants_segmentation_error") / value);
   add("constants", at("constants_input_error") / value);
   return parts;
 }

@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <span>
+#include <string>
 #include <vector>
 
 class vtkDataObject;
@@ -22,12 +23,21 @@ namespace lamella
 void setSensitivity(
   vtkDataObject* data, const elasticity::VoxelStiffness& found, std::span<const MaterialNumber> numbers);
 
-/// `constants_input_error` where some number may be off, `constants_total_error`; each in its constant's unit. After
-/// all else.
-void setConstantErrors(vtkDataObject* data, const elasticity::VoxelStiffness& found,
-  std::span<const MaterialNumber> numbers, bool uncertain);
+/// `surface_doubt`, `surface_pairs`, `stiffness_surface_sensitivity`, `constants_surface_sensitivity`,
+/// `constants_segmentation_error`.
+/// @param names of phases by id
+void setSurfaces(
+  vtkDataObject* data, const elasticity::VoxelStiffness& found, std::span<const std::string> names, double doubt);
 
-/// What the field data tell of a constant's error: "lattice and picture", "window", "constants" (of the phases).
+/// `constants_input_error`.
+void setInputErrors(
+  vtkDataObject* data, const elasticity::VoxelStiffness& found, std::span<const MaterialNumber> numbers);
+
+/// `constants_total_error`, each in its constant's unit. After all else.
+void setTotalErrors(vtkDataObject* data, const elasticity::VoxelStiffness& found);
+
+/// What the field data tell of a constant's error: "lattice and picture", "window", "segmentation", "constants"
+/// (of the phases).
 [[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::vector<statistics::ErrorPart> constantErrorParts(
   vtkDataObject* data, std::size_t constant);
 

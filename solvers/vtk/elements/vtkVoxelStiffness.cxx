@@ -8,6 +8,7 @@
 #include "StiffnessDirections.h"
 #include "StiffnessSensitivity.h"
 #include "StiffnessTables.h"
+#include "SurfaceDoubt.h"
 #include "VoxelMaterials.h"
 #include "WindowFields.h"
 #include "vtkClassMacros.h"
@@ -307,6 +308,10 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
   options.windowError = this->EstimateWindowError;
   const bool sensitivity = this->ComputeSensitivity || materials->uncertain();
   options.numbers = sensitivity ? materials->numbers().size() : 0;
+  double doubt = unknown;
+  options.surfaces = this->ComputeTensor && (this->EstimateSegmentationError || this->SurfaceDoubt > 0);
+  if (options.surfaces)
+    team.agree([&] { doubt = lamella::surfaceDoubt(input, this->SurfaceDoubt, lamella::Communicator(team.comm())); });
   options.nodesPerPixel = this->NodesPerPixel;
   options.threads = this->ThreadCount();
   options.ranks = lamella::Communicator(team.comm());
@@ -450,8 +455,12 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
   lamella::setWindowFields(output, result.windows);
   if (sensitivity)
     lamella::setSensitivity(output, result, materials->numbers());
-  if (!result.stiffness.empty() && (materials->uncertain() || this->EstimateWindowError))
-    lamella::setConstantErrors(output, result, materials->numbers(), materials->uncertain());
+  if (options.surfaces)
+    lamella::setSurfaces(output, result, phases.names, doubt);
+  if (!result.stiffness.empty() && materials->uncertain())
+    lamella::setInputErrors(output, result, materials->numbers());
+  if (!result.stiffness.empty() && (materials->uncertain() || this->EstimateWindowError || options.surfaces))
+    lamella::setTotalErrors(output, result);
   if (!result.expansion.empty())
     lamella::setFieldNumbers(output, "expansion", result.expansion);
   if (result.loaded)
@@ -466,8 +475,8 @@ void vtkVoxelStiffness::Run(vtkImageData* input, vtkImageData* output, const lam
     { "shares", shared ? nlohmann::json(this->Shares) : nlohmann::json(nullptr) } };
   lamella::setFieldText(output, "element_model", model.dump());
   nlohmann::json parameters{ { "model", model }, { "estimate_error", this->EstimateError },
-    { "window_error", this->EstimateWindowError }, { "nodes_per_pixel", this->NodesPerPixel },
-    { "tolerance", this->Tolerance } };
+    { "window_error", this->EstimateWindowError }, { "segmentation_error", options.surfaces },
+    { "nodes_per_pixel", this->NodesPerPixel }, { "tolerance", this->Tolerance } };
   if (loaded)
     parameters["load"] = { { "mean_strain", this->Internal->Strain }, { "mean_stress", this->Internal->Stress },
       { "change", this->Change }, { "change_array", this->ChangeArray } };

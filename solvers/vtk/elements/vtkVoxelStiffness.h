@@ -48,8 +48,13 @@
  *   words of their settings), `material_values`, `material_uncertainty` (0: none), and by these in turn
  *   `stiffness_sensitivity`, ∂C/∂p, 9 or 36 numbers each, and `constants_sensitivity`, the same of `constants`; of a
  * mean strain alone `load_energy_sensitivity` [J/m³]. Of rigid phases and of given tensors nothing is told
- * - with uncertainties `constants_input_error`: what they leave of each constant, in its unit; `constants_total_error`:
- *   the root of the squares of that, of `constants_error` and of the window's, where two are known
+ * - with uncertainties `constants_input_error`: what they leave of each constant, in its unit
+ * - with EstimateSegmentationError `surface_doubt` [pixels], `surface_pairs`: names A:B of phases that meet, and by
+ * these in turn `stiffness_surface_sensitivity`, 9 or 36 numbers each, and `constants_surface_sensitivity`: the change
+ * where A grows into B by a pixel; `constants_segmentation_error`: what the doubt leaves of each constant, in its unit,
+ *   levels between phases being independent
+ * - with one of these or of EstimateWindowError `constants_total_error`: the root of the squares of both, of
+ *   `constants_error` and of the window's, where two are known
  * - `hashin_shtrikman`: bulk modulus, lower and upper, shear modulus, lower and upper [Pa], of isotropic mixtures;
  * where all phases are isotropic
  * - `expansion`: mean strain of the free box for a change of 1, Voigt's order; where some phase expands
@@ -398,6 +403,26 @@ public:
    * @advanced
    */
   vtkSwitchMacro(EstimateWindowError, false);
+
+  /**
+   * Also tell how the tensor changes where the surfaces between phases lie elsewhere, as far as the picture's
+   * segmentation leaves it open: from the fields of the solves, no other one is made. Needs a picture that was
+   * segmented, or the doubt in pixels.
+   * @word segmentation-error
+   * @group Accuracy and cost
+   * @advanced
+   */
+  vtkSwitchMacro(EstimateSegmentationError, false);
+
+  /**
+   * How far surfaces between phases may lie from where the picture has them [pixels], for the segmentation error; 0:
+   * what the picture's segmentation told of itself.
+   * @group Accuracy and cost
+   * @range [0, 10]
+   * @unset 0
+   * @advanced
+   */
+  vtkSettingMacro(SurfaceDoubt, double, 0);
 
   /**
    * Nodes along each axis that a pixel was split in before it came here: what is a picture, for the error.

@@ -90,9 +90,12 @@ class StiffnessResult(WindowErrors, StiffnessBase):
     input_errors: dict[str, float] = told(
         "What the uncertainty of the materials leaves of each constant, in its unit; empty where none was given.",
         "constants_input_error", by="_known")
+    segmentation_errors: dict[str, float] = told(
+        "How far each constant may be off because surfaces between phases lie elsewhere, in its unit; empty unless it was"
+        " asked for.", "constants_segmentation_error", by="_known")
     total_errors: dict[str, float] = told(
-        "The root of the squares of that, of the estimated error and of the window's, NaN where no two are known; empty "
-        "where neither the first nor the last was asked for.", "constants_total_error", by="_known")
+        "The root of the squares of these, of the estimated error and of the window's, NaN where no two are known; empty "
+        "where none beside the estimated error was asked for.", "constants_total_error", by="_known")
     expansion: Array = told(
         "Mean strain of the free box for a change of 1 by component [1], shears as angles; none where no phase expands.", by="_numbers")
     load_strain: Array = told("Mean strain of the load by component [1], shears as angles; none where there was no load.", by="_numbers")
