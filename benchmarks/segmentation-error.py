@@ -2,13 +2,14 @@
 
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/segmentation-error.py [lamella=build/bin/lamella] [output=FOLDER] [seeds=6] [first=1]
                                                                               [size=240] [study=scans,volumes] [real=FOLDER]
+                                                                              [quantities=conductivity]
 
 scans    `lamella generate softwood|hardwood --look … --truth`: every look, tissue, pixel and fault of SCANS below, each seed
 volumes  those of grey-volumes.py
 
 Of each: the conductivity of what was found with its segmentation error, and that of the labels of the same pixels, which is its truth; for
 scans also the error of lattice and picture with it (the root of the squares), against labels on pixels a quarter as large. Walls conduct 1 and
-lumens 0.023, or 0.01 and 1. Prints the tables of docs/benchmarks/segmentation.md and writes segmentation-error.csv.
+lumens 0.023, or 0.01 and 1. With quantities=conductivity,stiffness also Young's moduli of walls around voids (nu 0.3, straight sides). Prints the tables of docs/benchmarks/segmentation.md and writes segmentation-error.csv.
 """
 
 import csv
@@ -79,13 +80,41 @@ def scan_rows(keys, work):
                     DOUBTED.append(f"{group}, {look} {seed}: {told[0].message}")
                     continue
                 truth = walls_of(labels)
-                for quantity, conductivity in CONDUCTIVITIES.items():
+                if "stiffness" in quantities(keys):
+                    if "stiffness" not in fines:
+                        fines["stiffness"] = stiff(fine_walls, ["lumen", "wall"], "wall", estimate_error=False).constants
+                    yield from stiffness_rows(group, f"{look} {seed}", "xy", sample, truth, ["lumen", "wall"], fines["stiffness"])
+                for quantity, conductivity in CONDUCTIVITIES.items() if "conductivity" in quantities(keys) else ():
                     for direction in "xy":
                         if (quantity, direction) not in fines:
                             result = solved(fine_walls, ["lumen", "wall"], conductivity, direction, estimate_error=False)
                             fines[quantity, direction] = result.effective["xy".index(direction)]["xy".index(direction)]
                         yield row_of(group, f"{look} {seed}", quantity, direction, sample, truth, ["lumen", "wall"], conductivity,
                                      fines[quantity, direction])  # fmt: skip
+
+
+def quantities(keys):
+    return keys.get("quantities", "conductivity").split(",")
+
+
+def stiff(sample, names, solid, **more):
+    if isinstance(sample, np.ndarray):
+        sample = lamella.from_array(np.ascontiguousarray(sample, np.uint8), names)
+    return lamella.stiffness(sample, {solid: 1e9}, sides="straight", **more)
+
+
+def stiffness_rows(group, name, directions, sample, truth, names, material=None):
+    found = stiff(sample, names, names[1], segmentation_error=True, estimate_error=material is not None)
+    true = stiff(truth, names, names[1], estimate_error=False).constants
+    doubt = found.vtk.GetFieldData().GetArray("surface_doubt").GetValue(0)
+    for direction in directions:
+        key = "E_" + direction
+        value = found.constants[key]
+        yield {"group": "E, " + group, "case": name, "quantity": key, "direction": direction, "found": np.mean(np.asarray(sample) == 1),
+               "true": truth.mean(), "value": value, "truth": true[key], "error": abs(value / true[key] - 1),
+               "bar": found.segmentation_errors[key] / value, "doubt": doubt, "material": material and material[key],
+               "total": material and found.total_errors[key] / value,
+               "lattice": material and found.constants_errors[key] / value}  # fmt: skip
 
 
 def row_of(group, name, quantity, direction, sample, truth, names, conductivity, material=None):
@@ -113,7 +142,9 @@ def volume_rows(keys, work):
             path = work / "t_{0}x{0}x{0}_u8.raw".format(80)
             grey.tomogram(solid, *settings).tofile(path)
             sample = lamella.read_picture(str(path), grey.VOID_SOLID, segment=True)
-            for direction in "xz":
+            if "stiffness" in quantities(keys):
+                yield from stiffness_rows(name, scan, "xz", sample, solid, ["void", "solid"])
+            for direction in "xz" if "conductivity" in quantities(keys) else ():
                 yield row_of(name, scan, "", direction, sample, solid, ["void", "solid"], conductivity)
 
 

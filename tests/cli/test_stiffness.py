@@ -92,10 +92,18 @@ class Stiffness(Case):
         for line in ("1 % more of a phase's constant changes the box's by", "the constants' uncertainty leaves", "in all, of what was asked for", "half of it takes less of "):
             self.assertIn(line, text)
         plain = self.works(*LAYERS, "--json").json()
-        self.assertEqual([plain[key] for key in ("sensitivity", "relative_sensitivity", "input_errors", "total_errors")], [None] * 4)
+        self.assertEqual([plain[key] for key in ("sensitivity", "relative_sensitivity", "input_errors", "surface_doubt", "segmentation_errors", "total_errors")], [None] * 6)
         alone = self.works(*LAYERS, "--sensitivity", "--no-error-estimate", "--json", ranks=2).json()
         self.assertEqual(alone["sensitivity"], found["sensitivity"])
         self.assertEqual((alone["input_errors"], alone["total_errors"]), (None, None))
+        # both surfaces of a period of 32 pixels, each moved by half a pixel: E_x by the moduli's difference
+        moved = self.works(*LAYERS, "--surface-doubt", "0.5", "--json").json()
+        self.assertAlmostEqual(moved["surface_sensitivity"]["E_x"]["soft:hard"] / (2 / 32 * (1e9 - 4e9)), 1, places=5)
+        self.assertAlmostEqual(moved["segmentation_errors"]["E_x"], 0.5 * 2 / 32 * 3 / 2.5, places=5)
+        whole = math.hypot(moved["segmentation_errors"]["E_x"], moved["constants"]["E_x"]["estimated_error"] / moved["constants"]["E_x"]["value"])
+        self.assertAlmostEqual(moved["total_errors"]["E_x"], whole, places=9)
+        self.assertIn("surfaces within 0.5 pixels", self.works(*LAYERS, "--surface-doubt", "0.5").out)
+        self.fails(2, "nothing tells how far surfaces may lie", "in pixels", *LAYERS, "--segmentation-error")
         # a scene
         scene = ('[sample]\ngenerate = "laminate"\nsize = [32, 32]\naxis = "y"\ncells = 1\n[stiffness]\nyoung = { matrix = "1e9±1e8", inclusion = 4e9 }\n'
                  'poisson = { matrix = 0, inclusion = 0 }\n[measure]\nby = "stiffness.relative_sensitivity.E_y.young:matrix"\ninputs = "stiffness.input_errors.E_y"\n')

@@ -1016,8 +1016,11 @@ class Bonds(unittest.TestCase):
         self.assertAlmostEqual(found.sensitivity["E_x"]["young:inclusion"], 0.5, places=5)
         self.assertAlmostEqual(found.input_errors["E_y"] / found.constants["E_y"], 0.08, places=5)
         self.assertAlmostEqual(found.total_errors["E_y"], np.hypot(found.input_errors["E_y"], found.constants_errors["E_y"]))
+        moved = lamella.stiffness(layers, **words, surface_doubt=0.5)
+        self.assertAlmostEqual(moved.segmentation_errors["E_x"] / (0.5 * 2 / 32 * 3e9), 1, places=5)
         plain = lamella.stiffness(layers, **words, estimate_error=False)
         self.assertEqual((plain.sensitivity, plain.relative_sensitivity, plain.input_errors, plain.total_errors), ({}, {}, {}, {}))
+        self.assertEqual(plain.segmentation_errors, {})
         with self.assertRaisesRegex(lamella.ParameterError, "uncertainty of its Poisson's ratio, and no such number"):
             lamella.stiffness(layers, words["young"], poisson_uncertainty={"matrix": 0.1})
 
