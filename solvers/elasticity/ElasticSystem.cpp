@@ -968,6 +968,8 @@ ElasticResult<D> ElasticSystem<D>::solve(const ElasticLoad<D>& load)
       break;
     rr = freshResidual();
     converged = rr <= floor || !(rr < leastProgress * start); // as far as it goes
+    if (rr <= floor && first > 0)                             // in fewer steps than tell what is left
+      result.solverError = std::min(result.solverError, std::sqrt(rr / first));
   }
   result.residual = first > 0 ? std::sqrt(rr / first) : 0.0;
 

@@ -142,15 +142,11 @@ public:
   /// [p * pairs + triangle(fields, i, j)] [Pa over the number's unit]. Collective.
   /// @param fields  one, or voigtSize(D) of them; of this box, whatever its sides held
   [[nodiscard]] std::vector<double> changes(std::span<const Field> fields, std::size_t numbers) const;
-  /// The same by where the surface between each two phases that meet lies. Where a phase a grows by δ into b, the
-  /// change is the mean of (B_a − B_b) δ over the surface times its area over the volume: with what no surface jumps
-  /// in, the strain p along it and the traction t, B = p A p + 2 t G p − t S t, in which S is the inverse of the
-  /// acoustic tensor N = m C m of the normal m, G = S (m C) and A = C − (C m) S (m C) (Hadamard's derivative of the
-  /// energy; the fields' own change counts to second order).
-  ///
-  /// A picture has steps instead of surfaces: p is that of the voxels of the stiffer phase beside a step, t that of the
-  /// softer phase's, normals are from 3 × 3 (× 3) voxels, and a step's face counts for |m| of the surface. Flat
-  /// surfaces along the axes are exact.
+  /// The same by where the surface between each two phases that meet lies. A node at a surface moves by its normal V
+  /// (from 4 × 4 (× 4) voxels) where one phase grows into the other, and takes the elements with it, whose energies
+  /// change by ∫ σ_i : ε_j div V − σ_i : ∇u_j ∇V − σ_j : ∇u_i ∇V (Eshelby, Phil. Trans. R. Soc. A 244 (1951) 87: the
+  /// force on the surface, as an integral over what is beside it); the fields' own change counts to second order. Of
+  /// means over elements. Flat surfaces along the axes are exact.
   [[nodiscard]] std::vector<SurfaceChange> surfaces(std::span<const Field> fields) const;
   [[nodiscard]] double scale() const noexcept { return scale_; } ///< the largest modulus [Pa]
   [[nodiscard]] std::size_t bytes() const noexcept;              ///< of this rank, the picture's included
