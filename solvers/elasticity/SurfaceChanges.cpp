@@ -86,12 +86,17 @@ public:
         for (std::size_t a = 0; a < D; ++a)
           index += around_[a][static_cast<std::size_t>(4 * node[a] + 1 + (which >> a & 1))];
         const std::uint8_t id = phase_[static_cast<std::size_t>(index)];
-        if (std::find(beside.begin(), beside.begin() + phases, id) == beside.begin() + phases)
-          beside[phases++] = id;
+        std::size_t place = 0; // ids in order, each once
+        while (place < phases && beside[place] < id)
+          ++place;
+        if (place < phases && beside[place] == id)
+          continue;
+        for (std::size_t k = phases++; k > place; --k)
+          beside[k] = beside[k - 1];
+        beside[place] = id;
       }
       if (phases < 2)
         continue;
-      std::sort(beside.begin(), beside.begin() + phases);
       for (std::size_t i = 0; i < phases; ++i)
         for (std::size_t j = i + 1; j < phases; ++j)
         {
