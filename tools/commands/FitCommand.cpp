@@ -592,8 +592,9 @@ Command fitCommand(CLI::App& root)
   addFitOptions(*byStiffness, *stiffness, "PROPERTY:PHASE[=START]", "E_x|G_xy|…=VALUE±HALF");
   stiffness->settings.declare(*byStiffness, "vtkVoxelStiffness",
     { "young-uncertainty", "poisson-uncertainty", "young-across-uncertainty", "poisson-across-uncertainty",
-      "shear-uncertainty", "sensitivity", "nodes-per-pixel", "window-error", "shares", "mean-strain", "mean-stress",
-      "change", "change-array", "tensor", "displacement", "strain", "stress", "expansion", "expansion-across" });
+      "shear-uncertainty", "sensitivity", "nodes-per-pixel", "window-error", "segmentation-error", "surface-doubt",
+      "shares", "mean-strain", "mean-stress", "change", "change-array", "tensor", "displacement", "strain", "stress",
+      "expansion", "expansion-across" });
   return { fit,
     [=](Session& session, const std::string& line)
     {
