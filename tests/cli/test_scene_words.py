@@ -155,7 +155,7 @@ class SceneWords(Case):
             arrays = [array["name"] for array in self.works("info", file, "--json").json()["point_arrays"]]
             part = os.path.basename(file).split(".")[0][len(stage) + 1:] if stage == "diffusion" else ""
             for array in arrays:
-                text += f'\n[[picture]]\nof = "{stage}{":" + part if part else ""}"\narray = "{array}"\n'
+                text += f'\n[[picture]]\nof = "{stage}{":" + part if part else ""}"\narray = "{array}"\nsize = [160, 160]\n'
         self.scene(text)
         plan = self.works("run", "scene.toml", "--dry-run", "--json").json()
         self.assertEqual(plan["fails"], [])
