@@ -5,11 +5,15 @@
 #include "lbm/SteadyDiffusion.h"
 
 #include <array>
+#include <cstdint>
 #include <span>
 #include <vector>
 
 namespace lamella::lbm
 {
+
+/// Sums that threads may make at once, of as many parts of a block: the same sums, whatever their number.
+inline constexpr std::int64_t sumParts = 16;
 
 /// What both methods work on: one direction of one box, this rank's part of it.
 struct Problem

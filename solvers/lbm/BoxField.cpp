@@ -9,7 +9,6 @@ namespace lamella::lbm
 namespace
 {
 
-constexpr std::int64_t energyParts = 16; // sums of energies that threads may make at once
 constexpr std::int64_t energyLanes = 4;
 
 } // namespace
@@ -350,8 +349,7 @@ std::vector<double> BoxField::linkEnergies() const
   const std::int64_t n = problem_.lattice.size[axis];
   const std::int64_t nx = block_.size[0];
   const std::int64_t rows = block_.size[1] * block_.size[2];
-  // parts that no number of threads changes
-  const std::int64_t parts = std::clamp<std::int64_t>(rows, 1, energyParts);
+  const std::int64_t parts = std::clamp<std::int64_t>(rows, 1, sumParts);
   const std::size_t pairs = ids * ids;
   std::vector<double> sums(static_cast<std::size_t>(parts) * pairs, 0.0);
   const int threads = problem_.options.threads;

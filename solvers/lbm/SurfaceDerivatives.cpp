@@ -17,7 +17,6 @@ namespace lamella::lbm
 namespace
 {
 
-constexpr std::int64_t sumParts = 16; // that threads may make at once: the same sums, whatever their number
 
 using Vector = std::array<double, 3>;
 

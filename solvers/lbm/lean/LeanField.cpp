@@ -17,7 +17,6 @@ constexpr std::int64_t tileBytes = 600 * 1024;
 constexpr std::int64_t tilePlanes = 48;
 // Below that many nodes waiting for another thread costs more than its work.
 constexpr std::int64_t threadedNodes = 100000;
-constexpr std::int64_t energyParts = 16; // sums of energies that threads may make at once
 
 Level emptyLevel(const Problem& problem)
 {
@@ -557,7 +556,7 @@ std::vector<double> LeanField::linkEnergies() const
   const std::size_t ids = problem_.diffusivity.size();
   const std::size_t sums = table_.two ? 3 : ids * ids;
   const std::int64_t rows = g.ny * g.nz;
-  const std::int64_t parts = std::clamp<std::int64_t>(rows, 1, energyParts);
+  const std::int64_t parts = std::clamp<std::int64_t>(rows, 1, sumParts);
   std::vector<double> byPart(static_cast<std::size_t>(parts) * sums, 0.0);
   const int threads = this->threads();
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
