@@ -17,7 +17,6 @@ namespace lamella::lbm
 namespace
 {
 
-
 using Vector = std::array<double, 3>;
 
 /// The field and its phases around every node of this rank's block: of three planes at a time, which the backend gives
