@@ -2,14 +2,15 @@
 
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/segmentation-error.py [lamella=build/bin/lamella] [output=FOLDER] [seeds=6] [first=1]
                                                                               [size=240] [study=scans,volumes] [real=FOLDER]
-                                                                              [quantities=conductivity]
+                                                                              [quantities=conductivity] [material=no]
 
 scans    `lamella generate softwood|hardwood --look … --truth`: every look, tissue, pixel and fault of SCANS below, each seed
 volumes  those of grey-volumes.py
 
 Of each: the conductivity of what was found with its segmentation error, and that of the labels of the same pixels, which is its truth; for
 scans also the error of lattice and picture with it (the root of the squares), against labels on pixels a quarter as large. Walls conduct 1 and
-lumens 0.023, or 0.01 and 1. With quantities=conductivity,stiffness also Young's moduli of walls around voids (nu 0.3, straight sides). Prints the tables of docs/benchmarks/segmentation.md and writes segmentation-error.csv.
+lumens 0.023, or 0.01 and 1. With quantities=conductivity,stiffness also Young's moduli of walls around voids (nu 0.3, straight sides); with material=no without
+those small pixels. Prints the tables of docs/benchmarks/segmentation.md and writes segmentation-error.csv.
 """
 
 import csv
@@ -82,7 +83,9 @@ def scan_rows(keys, work):
                     continue
                 truth = walls_of(labels)
                 for border in BORDERS if "stiffness" in quantities(keys) else ():
-                    if border not in fines:
+                    if keys.get("material") == "no":
+                        fines[border] = None
+                    elif border not in fines:
                         fines[border] = stiff(cropped(fine_walls, 4 * border), ["lumen", "wall"], "wall", estimate_error=False).constants
                     yield from stiffness_rows(group, f"{look} {seed}", "xy", sample, truth, ["lumen", "wall"], border, fines[border])
                 for quantity, conductivity in CONDUCTIVITIES.items() if "conductivity" in quantities(keys) else ():
