@@ -39,8 +39,8 @@ class Live(unittest.TestCase):
         self.tissue = pv.MicrostructureSource(Kind="Honeycomb", Size=[42, 48, 1], SolidFraction=0.6)
 
     def tearDown(self):
-        pv.Disconnect()
-        pv.Connect()
+        for source in reversed(list(pv.GetSources().values())):
+            pv.Delete(source)
 
     def assert_stays(self, solver, **changes):
         before = numbers(solver, "seconds")

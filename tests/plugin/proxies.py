@@ -22,8 +22,8 @@ NAMES = set(globals())
 
 class Proxies(unittest.TestCase):
     def tearDown(self):
-        pv.Disconnect()
-        pv.Connect()
+        for source in reversed(list(pv.GetSources().values())):  # a new connection takes 0.4 s
+            pv.Delete(source)
         for name in set(globals()) - NAMES - {"NAMES", "Proxies"}:
             del globals()[name]  # sum, min and the like: a ProgrammableSource puts its arrays' own in their place
 
