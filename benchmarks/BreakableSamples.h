@@ -40,7 +40,7 @@ inline Sample woodWithLamella(std::int64_t nodes, std::uint64_t seed)
   return s;
 }
 
-/// kind aggregate, filled, wood or lamella; keys nx, seed, saturation, grains.
+/// kind aggregate, filled, wood or lamella; keys nx, seed, saturation, grains, dimension.
 inline Sample sampleOf(const std::string& kind, const Keys& keys)
 {
   const auto nodes = static_cast<std::int64_t>(number(keys, "nx", 128));
@@ -55,7 +55,8 @@ inline Sample sampleOf(const std::string& kind, const Keys& keys)
   return cemented({ .nodes = nodes,
     .saturation = kind == "filled" ? 1 : number(keys, "saturation", 0.5),
     .grains = static_cast<std::int64_t>(number(keys, "grains", usual)),
-    .seed = seed });
+    .seed = seed,
+    .dimension = static_cast<int>(number(keys, "dimension", 2)) });
 }
 
 } // namespace lamella::benchmark

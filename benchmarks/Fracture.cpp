@@ -41,6 +41,7 @@ FractureOptions optionsOf(const Keys& keys)
   e.rivals = number(keys, "rivals", e.rivals);
   e.rivalTolerance = number(keys, "rivaltol", e.rivalTolerance);
   e.riseTolerance = number(keys, "rise", e.riseTolerance);
+  e.softeningTolerance = number(keys, "softening", e.softeningTolerance);
   return o;
 }
 
@@ -54,8 +55,8 @@ void one(const Keys& keys)
     [](const Run& x) { return x.seconds(); });
   const FractureRecord& r = run.record;
   const FractureStatistics& t = r.statistics;
-  fmt::print(
-    "{} {} x {}, {} bonds; ended: {}\n", kind, s.lattice.size[0], s.lattice.size[1], run.bonds, describe(r.end));
+  fmt::print("{} {} x {} x {}, {} bonds; ended: {}\n", kind, s.lattice.size[0], s.lattice.size[1], s.lattice.size[2],
+    run.bonds, describe(r.end));
   fmt::print("  E {:.6e} first break {:.6e} peak {:.7e} at {:.6e} after {}; {} broken, {} raises\n", r.modulus,
     r.first.stress, r.peak.stress, r.peak.strain, r.peak.broken, r.broken.size(), t.raises);
   const double events = static_cast<double>(std::max<std::int64_t>(1, t.events));

@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "peridynamics/Fragments.h"
 #include "peridynamics/fracture/EventHierarchy.h"
+#include "peridynamics/fracture/SlowMotions.h"
 
 #include <gtest/gtest.h>
 #include <omp.h>
@@ -369,6 +370,63 @@ TEST(FractureEvents, LevelsStayGalerkinProducts)
       }
       EXPECT_LT(worst, 1e-5 * largest) << "level " << k;
     }
+  }
+}
+
+// The force of any combination of the motions is answered with that combination, also after bonds have broken; to the
+// digits of a product in single precision.
+TEST(FractureEvents, SlowMotionsAnswerTheirOwnForces)
+{
+  for (const bool space : { false, true })
+  {
+    const Sample s = space ? aggregate(16, 14, 20) : aggregate(60, 70);
+    BondLattice bonds = latticeOf(aggregateModel(space ? 3 : 2), s, alone());
+    const NodeLayout& l = bonds.layout();
+    std::mt19937 random(7);
+    SlowMotions slow(bonds);
+    NodeField<float> work(l);
+    NodeField<float> sum(l);
+    for (int motion = 0; motion < 10; ++motion) // two more than there is room for
+    {
+      NodeField<float> u(l);
+      const float share = 0.5F + static_cast<float>(motion);
+      forOwnRows(l,
+        [&](std::int64_t y, std::int64_t z)
+        {
+          for (std::int64_t x = 0; x < l.size[0]; ++x)
+            for (int c = 0; c < l.dimension; ++c)
+              u.component(c)[l.index(x, y, z)] = static_cast<float>(random() % 1000) * 1e-9F;
+        });
+      slow.keep(u, work);
+      for (int c = 0; motion >= 2 && c < l.dimension; ++c)
+        for (std::int64_t i = 0; i < l.count(); ++i)
+          sum.component(c)[i] += share * u.component(c)[i];
+    }
+    for (int k = 0; k < 60; ++k)
+    {
+      const std::int64_t i = l.index(l.size[0] / 2 + k % 5, l.size[1] / 2, l.size[2] / 2);
+      const int o = static_cast<int>(random() % bonds.stencil().half().size());
+      if (bonds.kind(i, o) == 0)
+        continue;
+      const double stiffness = bonds.springConstant(i, o);
+      const Bond bond = bonds.bond(i, o);
+      bonds.breakBonds({ &bond, 1 });
+      slow.breakBond(i, o, stiffness);
+    }
+    NodeField<float> force(l);
+    linearForce(bonds, sum, force); // −A u
+    NodeField<float> answer(l);
+    slow.answer(force, answer);
+    double worst = 0;
+    double largest = 0;
+    for (int c = 0; c < l.dimension; ++c)
+      for (std::int64_t i = 0; i < l.count(); ++i)
+      {
+        worst = std::max(worst, std::abs(static_cast<double>(answer.component(c)[i] + sum.component(c)[i])));
+        largest = std::max(largest, std::abs(static_cast<double>(sum.component(c)[i])));
+      }
+    EXPECT_GT(largest, 0);
+    EXPECT_LT(worst, 1e-4 * largest) << (space ? "space" : "plane");
   }
 }
 

@@ -26,7 +26,7 @@ public:
   StretchMaximum mostCritical() override;
   std::vector<Bond> critical(double ratio) override;
   void breakBonds(std::span<const Bond> bonds) override;
-  bool settle(bool) override { return false; }
+  bool settle(Nearness) override { return false; }
   NodeField<double> displacement() override { return u_; }
   void renew() override { equilibrium_.reset(); }
   [[nodiscard]] EngineState state() const override { return { u_, { { "force", force_ } }, statistics_ }; }

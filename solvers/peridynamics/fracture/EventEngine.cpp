@@ -5,6 +5,7 @@
 #include "peridynamics/ValueShare.h"
 
 #include <algorithm>
+#include <optional>
 
 namespace lamella::peridynamics
 {
@@ -12,6 +13,7 @@ namespace
 {
 
 constexpr int mostIterations = 200; // of an exact correction: some ten are usual
+constexpr double nearby = 0.8;      // of the largest s/s₀: what a handful of events does not make the next to break
 
 } // namespace
 
@@ -81,7 +83,7 @@ EngineState EventEngine::state() const
 // Corrected before: what is left of the old levels is their residual, and that is measured anew.
 void EventEngine::renew()
 {
-  settle(false);
+  settle(Nearness::Avalanche);
   const double start = seconds();
   state_.renew();
   statistics_.globalSeconds += seconds() - start;
@@ -93,7 +95,7 @@ void EventEngine::measure()
   force_ = platens_.of(bonds_, state_.force());
   sinceGlobal_ = 0;
   const double start = seconds();
-  tiles_.refreshAll(state_);
+  tiles_.refreshAll(state_, state_.looked() ? nearby : 0);
   statistics_.searchSeconds += seconds() - start;
   statistics_.bytes = state_.bytes() + tiles_.bytes() + pieces_.bytes();
 }
@@ -106,30 +108,42 @@ void EventEngine::afterGlobal(int iterations, double start)
   measure();
 }
 
-bool EventEngine::correct(int maxIterations, double tolerance)
+bool EventEngine::correct(double tolerance)
 {
   if (sinceGlobal_ == 0 && reached_ <= tolerance)
     return false;
   const double start = seconds();
-  afterGlobal(state_.correctGlobally(maxIterations, tolerance), start);
+  afterGlobal(state_.correctGlobally({ tolerance, mostIterations }).iterations, start);
   reached_ = tolerance;
   return true;
 }
 
-bool EventEngine::settle(bool exact)
+double EventEngine::toleranceOf(Nearness nearness) const noexcept
+{
+  switch (nearness)
+  {
+    case Nearness::Softening:
+      return std::max(options_.softeningTolerance, options_.riseTolerance);
+    case Nearness::Exact:
+      return options_.riseTolerance;
+    case Nearness::Avalanche:
+      break;
+  }
+  return options_.globalTolerance;
+}
+
+bool EventEngine::settle(Nearness nearness)
 {
   if (sinceGlobal_ == 0)
-    return exact && correct(mostIterations, options_.riseTolerance);
+    return nearness != Nearness::Avalanche && correct(toleranceOf(nearness));
   const double start = seconds();
-  double reached = options_.globalTolerance;
-  int iterations = state_.correctGlobally(options_.globalIterations, reached);
-  if (exact && iterations == 0) // nothing new to look at
-  {
-    reached = options_.riseTolerance;
-    iterations = state_.correctGlobally(mostIterations, reached);
-  }
-  afterGlobal(iterations, start);
-  reached_ = reached;
+  std::optional<EventHierarchy::Goal> further; // where there is nothing new to look at
+  if (nearness != Nearness::Avalanche)
+    further = { toleranceOf(nearness), mostIterations };
+  const EventHierarchy::Reached reached =
+    state_.correctGlobally({ options_.globalTolerance, options_.globalIterations }, further);
+  afterGlobal(reached.iterations, start);
+  reached_ = reached.tolerance;
   return true;
 }
 
@@ -166,7 +180,7 @@ StretchMaximum EventEngine::mostCritical()
   // which of two it is makes the path: the errors of local corrections, which add up, are not to say
   const double margin = options_.rivals * std::min(1.0, (sinceGlobal_ + 1.0) / options_.globalEvery);
   const bool rival = margin > 0 && most.bond && tiles_.second() >= (1 - margin) * most.ratio;
-  if (rival && correct(mostIterations, options_.rivalTolerance))
+  if (rival && correct(options_.rivalTolerance))
     most = tiles_.greatest(state_);
   return most;
 }
@@ -210,7 +224,7 @@ void EventEngine::breakBond(const Bond& bond)
   tiles_.refresh(state_, local.window);
   statistics_.searchSeconds += seconds() - relaxed;
   if (++sinceGlobal_ >= options_.globalEvery)
-    settle(false);
+    settle(Nearness::Avalanche);
 }
 
 void EventEngine::takeOut(const std::vector<std::int64_t>& nodes)

@@ -23,7 +23,7 @@ public:
   StretchMaximum mostCritical() override;
   std::vector<Bond> critical(double ratio) override;
   void breakBonds(std::span<const Bond> bonds) override;
-  bool settle(bool exact) override;
+  bool settle(Nearness nearness) override;
   NodeField<double> displacement() override;
   void renew() override;
   [[nodiscard]] EngineState state() const override;
@@ -33,7 +33,8 @@ public:
 private:
   void breakBond(const Bond& bond);
   /// Unless that is what the state is already.
-  bool correct(int maxIterations, double tolerance);
+  bool correct(double tolerance);
+  [[nodiscard]] double toleranceOf(Nearness nearness) const noexcept;
   [[nodiscard]] std::int64_t indexOf(const Bond& bond) const;
   [[nodiscard]] Box boxOf(const Bond& bond) const;
   void takeOut(const std::vector<std::int64_t>& nodes);

@@ -13,6 +13,7 @@ EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed,
   , fixed_(fixed)
   , base_(displacement)
   , direction_(bonds.layout())
+  , slow_(bonds)
   , springs_(bonds)
 {
   const NodeLayout& l = bonds.layout();
@@ -30,6 +31,7 @@ EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed,
   reference_ = freeNorm(levels_.front().g);
   if (reference_ > 0)
     solve(tolerance, progress);
+  slow_.clear(); // what the load does is none
 }
 
 EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, Renewed state)
@@ -37,6 +39,7 @@ EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed,
   , fixed_(fixed)
   , base_(std::move(state.base))
   , direction_(bonds.layout())
+  , slow_(bonds)
   , reference_(state.reference)
   , springs_(bonds)
 {
@@ -60,7 +63,9 @@ void EventHierarchy::prepare()
 
 void EventHierarchy::renew()
 {
+  evaluate(0, whole(bonds_.layout()));
   collapse();
+  slow_.clear();
   direction_.fill(0);
   for (EventLevel& level : levels_)
     for (NodeField<float>* f : { &level.g, &level.total, &level.change })
@@ -68,7 +73,8 @@ void EventHierarchy::renew()
   build();
   residualInDouble();
   restrictAll();
-  sinceDouble_ = 0;
+  sinceDouble_ = looks_ = 0;
+  looked_ = false;
 }
 
 // Also when round-off has got the better of the matrices.
@@ -93,7 +99,7 @@ void EventHierarchy::build()
 
 std::int64_t EventHierarchy::bytes() const noexcept
 {
-  std::int64_t total = multigrid_->bytes() + springs_.bytes();
+  std::int64_t total = multigrid_->bytes() + springs_.bytes() + slow_.bytes();
   for (const EventLevel& level : levels_)
     total += 4 * level.w.components() * level.w.layout().count() * static_cast<std::int64_t>(sizeof(float));
   const std::int64_t nodes = base_.components() * base_.layout().count();
@@ -127,7 +133,7 @@ void EventHierarchy::evaluateFrom(std::size_t k, const Box& box)
   const NodeLayout& l = level.w.layout();
   const std::int64_t n = box.high[0] - box.low[0];
   const bool last = k + 1 == levels_.size();
-  forRows(box,
+  forManyRows(box,
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t i = l.index(box.low[0], y, z);
@@ -214,6 +220,7 @@ double EventHierarchy::breakBond(std::int64_t index, int offset)
   const Bond bond = bonds_.bond(index, offset);
   bonds_.breakBonds({ &bond, 1 });
   multigrid_->subtract(spring);
+  slow_.breakBond(index, offset, spring.stiffness);
   return spring.stiffness;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "peridynamics/fracture/SlowMotions.h"
 #include "peridynamics/fracture/SpringWindow.h"
 #include "peridynamics/multigrid/BondMultigrid.h"
 
@@ -7,6 +8,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace lamella::peridynamics
@@ -62,10 +64,21 @@ public:
   /// r·D⁻¹r falls below the target.
   Local correct(const Box& box, int radius, int coarseRadius, double target, int maxCycles);
 
-  /// Conjugate gradients on the whole lattice, until the residual force is the tolerance over the reference.
+  struct Goal
+  {
+    double tolerance; ///< of the residual force over the reference
+    int iterations;   ///< at most
+  };
+  struct Reached
+  {
+    int iterations;
+    double tolerance; ///< that was asked for
+  };
+  /// Conjugate gradients on the whole lattice, after slow motions have been taken out.
+  /// @param further the goal instead, where the first one is reached already
   /// @param progress as the constructor's
-  /// @return iterations
-  int correctGlobally(int maxIterations, double tolerance, const std::function<bool(double)>& progress = {});
+  Reached correctGlobally(
+    const Goal& goal, const std::optional<Goal>& further = {}, const std::function<bool(double)>& progress = {});
   /// The same from a residual in double precision, again and again until that is as small. Collapses all into the base.
   int solve(double tolerance, const std::function<bool(double)>& progress = {});
 
@@ -73,8 +86,10 @@ public:
   void evaluate(const Box& box) { evaluate(0, box); }
   [[nodiscard]] const NodeField<float>& correction() const noexcept { return levels_.front().total; }
   [[nodiscard]] const NodeField<double>& base() const noexcept { return base_; }
+  /// The last global correction found nothing to do.
+  [[nodiscard]] bool looked() const noexcept { return looked_; }
   /// Forces on all nodes, after a global correction only: those on fixed components are reactions.
-  [[nodiscard]] const NodeField<float>& force() const noexcept { return levels_.front().g; }
+  [[nodiscard]] const NodeField<float>& force() const noexcept { return looked_ ? direction_ : levels_.front().g; }
   /// Largest |Pᵀρ_l − ρ_{l+1}| over the largest |ρ₀|, ρ the residuals: round-off. For tests; visits everything.
   [[nodiscard]] double inconsistency();
   [[nodiscard]] std::int64_t bytes() const noexcept;
@@ -98,9 +113,11 @@ private:
   void product(std::size_t level, const Box& box, const NodeField<float>& u, NodeField<float>& out);
   void restrictChange(std::size_t level);
   void relaxCoarsest();
+  void measureResidual();
   void collapse();
   void restrictAll();
   void residualInDouble();
+  void takeOutSlowMotions();
   void maskRow(NodeField<float>& field, std::int64_t y, std::int64_t z, std::int64_t x0, std::int64_t x1) const;
   [[nodiscard]] double dot(const NodeField<float>& a, const NodeField<float>& b); ///< of the finest level
   [[nodiscard]] double freeNorm(const NodeField<float>& r);
@@ -115,10 +132,13 @@ private:
   std::vector<EventLevel> levels_;
   NodeField<double> base_;
   NodeField<float> direction_; ///< of conjugate gradients on the whole lattice
+  SlowMotions slow_;
   std::vector<char> rowFixed_; ///< by ordinal of the row: does it have a fixed component?
   std::vector<double> sums_;   ///< of rows
   double reference_ = 1;       ///< norm of the forces on free components, were they held
-  int sinceDouble_ = 0;        ///< global corrections
+  int sinceDouble_ = 0;        ///< global corrections that changed something
+  int looks_ = 0;              ///< those since that did not
+  bool looked_ = false;        ///< the last one was such
 
   std::vector<Box> inner_; ///< windows of the levels
   std::vector<Box> outer_; ///< what their product reaches

@@ -28,6 +28,9 @@ constexpr double loosest = 1e-3;
 /// any tolerance samples with less than this had their strength to 0.5 %. docs/solvers/fracture.md
 constexpr double balanced = 5e-3;
 
+/// Of the largest stress so far: estimates of a stress before a correction err by less.
+constexpr double softening = 0.95;
+
 void check(const BondLattice& bonds, const Loading& loading, const FractureOptions& o)
 {
   if (loading.load == LoadCase::Traction)
@@ -87,6 +90,7 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
       fmt::format("the margin within which two bonds are rivals, {}, is not in [0, 1)", e.rivals), "5e-3 is usual");
   for (const auto& [name, value] : { std::pair{ "reduction", e.reduction },
          std::pair{ "global tolerance", e.globalTolerance }, std::pair{ "tolerance before a rise", e.riseTolerance },
+         std::pair{ "tolerance before a rise below the peak", e.softeningTolerance },
          std::pair{ "tolerance among rivals", e.rivalTolerance } })
     if (!(value > 0 && value < 1))
       throw ParameterError(fmt::format("the {} of the local corrections, {}, is not between 0 and 1", name, value),
@@ -211,6 +215,12 @@ double QuasiStaticFracture::nextLoad(double critical) const
   return std::max(critical, steps * options_.strainStep / reference_);
 }
 
+Nearness QuasiStaticFracture::nearness(double ratio) const
+{
+  const bool peak = !(ratio > 0) || stress(nextLoad(1 / ratio)) >= softening * record_.peak.stress;
+  return peak ? Nearness::Exact : Nearness::Softening;
+}
+
 // The elastic ramp in one step: to where a bond is critical.
 void QuasiStaticFracture::raise(double load)
 {
@@ -277,7 +287,7 @@ FractureEnd QuasiStaticFracture::step()
   const bool fallen = fell(stress(load_));
   if (!critical || fallen)
   {
-    if (engine_->settle(!fallen))
+    if (engine_->settle(fallen ? Nearness::Avalanche : nearness(most.ratio)))
       return FractureEnd::Running; // look again
     if (fallen)
       return FractureEnd::StressFell;

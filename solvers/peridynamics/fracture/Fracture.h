@@ -51,6 +51,8 @@ struct EventOptions
   double rivals = 5e-3;
   double rivalTolerance = 5e-5;
   double riseTolerance = 2e-6; ///< the same before the load rises, on which the peak depends
+  /// The same where the stress stays a twentieth below the largest so far: no strength depends on it any more.
+  double softeningTolerance = 1e-5;
 };
 
 /// Where a fracture stands, for FractureOptions::progress.
@@ -170,6 +172,7 @@ struct FractureRecord
 
 /// What the method does between two breaks.
 class FractureEngine;
+enum class Nearness;
 struct EngineState;
 class PlatenForce;
 
@@ -215,6 +218,8 @@ private:
   [[nodiscard]] double stress(double load) const;
   [[nodiscard]] bool fell(double stress) const;
   [[nodiscard]] double nextLoad(double critical) const;
+  /// Before a rise to where a bond of this s/s₀ at unit load breaks.
+  [[nodiscard]] Nearness nearness(double ratio) const;
   void raise(double load);
   void breakCritical(const StretchMaximum& most);
   bool report();

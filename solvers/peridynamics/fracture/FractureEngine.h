@@ -19,6 +19,14 @@ struct EngineState
   FractureStatistics statistics;
 };
 
+/// How near an equilibrium is to be.
+enum class Nearness
+{
+  Avalanche, ///< as good as the method has it while bonds break by themselves
+  Softening, ///< before the load rises where the stress cannot be the largest so far
+  Exact      ///< as good as the method has it at all
+};
+
 /// The state at unit load, and how it follows the breaks. All members are collective.
 class FractureEngine
 {
@@ -31,9 +39,8 @@ public:
   virtual std::vector<Bond> critical(double ratio) = 0;
   /// Takes bonds out, and pieces that come loose with them; then equilibrium, as near as the method goes by itself.
   virtual void breakBonds(std::span<const Bond> bonds) = 0;
-  /// Equilibrium as good as the method has it in an avalanche, or as good as it has it at all.
   /// @return whether anything was left to do
-  virtual bool settle(bool exact) = 0;
+  virtual bool settle(Nearness nearness) = 0;
   /// To a tolerance, then displacements at unit load.
   virtual NodeField<double> displacement() = 0;
   /// Drops all that is only there to save work, so that what follows depends on the bonds and on state() alone.

@@ -86,6 +86,7 @@ std::string sceneOf(const Loading& l, const FractureOptions& o)
   line("rivals within", e.rivals);
   line("tolerance among rivals", e.rivalTolerance);
   line("tolerance before a rise", e.riseTolerance);
+  line("tolerance before a rise below the peak", e.softeningTolerance);
   return text;
 }
 

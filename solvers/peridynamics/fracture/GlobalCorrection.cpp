@@ -13,6 +13,8 @@ namespace
 {
 
 constexpr int everyDouble = 16; // global corrections: then round-off in the residual force is looked after
+constexpr int mostLooks = 4;    // without it
+constexpr int slow = 4;         // iterations of a correction that is worth remembering
 
 } // namespace
 
@@ -65,10 +67,25 @@ double EventHierarchy::freeNorm(const NodeField<float>& r)
   return std::sqrt(rowSum([&](std::int64_t y, std::int64_t z) { return freeSquare(r, y, z); }));
 }
 
-void EventHierarchy::collapse()
+// Of what the parts come to, into the direction: g₀ − A U₀.
+void EventHierarchy::measureResidual()
 {
   const NodeLayout& l = bonds_.layout();
   evaluate(0, whole(l));
+  linearForce(bonds_, correction(), direction_);
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      for (int c = 0; c < l.dimension; ++c)
+        levelKernels().axpy(l.size[0], 1.0F, levels_.front().g.component(c) + i, direction_.component(c) + i);
+    });
+}
+
+// After U₀ has been evaluated everywhere.
+void EventHierarchy::collapse()
+{
+  const NodeLayout& l = bonds_.layout();
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)
     {
@@ -77,8 +94,8 @@ void EventHierarchy::collapse()
         for (std::int64_t x = i; x < i + l.size[0]; ++x)
           base_.component(c)[x] += static_cast<double>(correction().component(c)[x]);
     });
-  for (std::size_t k = 0; k < levels_.size(); ++k)
-    levels_[k].w.fill(0);
+  for (EventLevel& level : levels_)
+    level.w.fill(0);
 }
 
 void EventHierarchy::residualInDouble()
@@ -110,32 +127,57 @@ void EventHierarchy::restrictAll()
   }
 }
 
-int EventHierarchy::correctGlobally(int maxIterations, double tolerance, const std::function<bool(double)>& progress)
+// What is known of them: their part of the residual force goes into the displacement of the finest level.
+void EventHierarchy::takeOutSlowMotions()
+{
+  const NodeLayout& l = bonds_.layout();
+  EventLevel& finest = levels_.front();
+  direction_.fill(0);
+  slow_.answer(finest.g, direction_);
+  linearForce(bonds_, direction_, finest.change); // −A p
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      for (int c = 0; c < l.dimension; ++c)
+      {
+        levelKernels().axpy(l.size[0], 1.0F, direction_.component(c) + i, finest.w.component(c) + i);
+        levelKernels().axpy(l.size[0], 1.0F, finest.change.component(c) + i, finest.g.component(c) + i);
+      }
+    });
+}
+
+EventHierarchy::Reached EventHierarchy::correctGlobally(
+  const Goal& goal, const std::optional<Goal>& further, const std::function<bool(double)>& progress)
 {
   const NodeLayout& l = bonds_.layout();
   EventLevel& finest = levels_.front();
   NodeField<float>& r = finest.g;
   NodeField<float>& q = finest.change;
   NodeField<float>& p = direction_;
+  measureResidual();
+  double size = freeNorm(direction_);
+  const auto [tolerance, maxIterations] = further && size <= goal.tolerance * reference_ ? *further : goal;
+  const double target = tolerance * reference_;
+  looked_ = size <= target && ++looks_ < mostLooks;
+  if (looked_)
+    return { 0, tolerance };
+  looks_ = 0;
   collapse();
   if (++sinceDouble_ >= everyDouble)
   {
     sinceDouble_ = 0;
     residualInDouble();
+    size = freeNorm(r);
   }
   else
+    std::swap(r, direction_);
+  const bool moves = size > target;
+  if (moves && !slow_.empty())
   {
-    linearForce(bonds_, finest.total, q);
-    forOwnRows(l,
-      [&](std::int64_t y, std::int64_t z)
-      {
-        const std::int64_t i = l.index(0, y, z);
-        for (int c = 0; c < l.dimension; ++c)
-          levelKernels().axpy(l.size[0], 1.0F, q.component(c) + i, r.component(c) + i);
-      });
+    takeOutSlowMotions();
+    size = freeNorm(r);
   }
-  const double target = tolerance * reference_;
-  double size = freeNorm(r);
   double rz = 0;
   int iterations = 0;
   bool rebuilt = false;
@@ -182,7 +224,9 @@ int EventHierarchy::correctGlobally(int maxIterations, double tolerance, const s
     if (progress && progress(std::clamp(std::log(size / reference_) / std::log(tolerance), 0.0, 1.0)))
       throw Cancelled();
   }
-  if (iterations > 0)
+  if (iterations >= slow)
+    slow_.keep(finest.w, q);
+  if (moves)
   {
     forOwnRows(l,
       [&](std::int64_t y, std::int64_t z)
@@ -202,7 +246,7 @@ int EventHierarchy::correctGlobally(int maxIterations, double tolerance, const s
   for (std::size_t k = 0; k < levels_.size(); ++k)
     multigrid_->level(k).d.fill(0); // relax() counts on it
   restrictAll();
-  return iterations;
+  return { iterations, tolerance };
 }
 
 int EventHierarchy::solve(double tolerance, const std::function<bool(double)>& progress)
@@ -212,7 +256,8 @@ int EventHierarchy::solve(double tolerance, const std::function<bool(double)>& p
   for (int round = 0; round < 8; ++round)
   {
     sinceDouble_ = everyDouble;
-    const int now = correctGlobally(most, 0.5 * tolerance, progress);
+    looks_ = mostLooks;
+    const int now = correctGlobally({ 0.5 * tolerance, most }, {}, progress).iterations;
     iterations += now;
     if (now == 0)
       return iterations;

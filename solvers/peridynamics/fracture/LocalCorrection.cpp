@@ -147,19 +147,19 @@ void EventHierarchy::restrictChange(std::size_t k)
   const NodeLayout& coarse = next.w.layout();
   const Box& box = outer_[k];
   if (k == 0)
-    forRows(box, [&](std::int64_t y, std::int64_t z) { maskRow(level.change, y, z, box.low[0], box.high[0]); });
+    forManyRows(box, [&](std::int64_t y, std::int64_t z) { maskRow(level.change, y, z, box.low[0], box.high[0]); });
   const Box to = parents(box, coarse);
   const std::int64_t n = to.high[0] - to.low[0];
   const bool last = k + 2 == levels_.size();
   const std::int64_t reachZ = l.dimension == 3 ? 1 : 0;
-  std::vector<float> sum(static_cast<std::size_t>(n));
-  forRows(
+  forManyRows(
     to,
     [&](std::int64_t y, std::int64_t z)
     {
+      thread_local std::vector<float> sum;
       for (int c = 0; c < l.dimension; ++c)
       {
-        std::fill(sum.begin(), sum.end(), 0.0F);
+        sum.assign(static_cast<std::size_t>(n), 0.0F);
         for (std::int64_t dz = -reachZ; dz <= reachZ; ++dz)
           for (std::int64_t dy = -1; dy <= 1; ++dy)
           {
@@ -178,7 +178,7 @@ void EventHierarchy::restrictChange(std::size_t k)
           levelKernels().axpy(n, 1.0F, sum.data(), next.change.component(c) + i);
       }
     });
-  forRows(box,
+  forManyRows(box,
     [&](std::int64_t y, std::int64_t z)
     {
       for (int c = 0; c < l.dimension; ++c)

@@ -2,6 +2,7 @@
 
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/fracture/EventKernels.h"
+#include "peridynamics/multigrid/Level.h"
 
 #include <array>
 #include <cstdint>
@@ -39,6 +40,17 @@ void forRows(const Box& box, F&& f)
   for (std::int64_t z = box.low[2]; z < box.high[2]; ++z)
     for (std::int64_t y = box.low[1]; y < box.high[1]; ++y)
       f(y, z);
+}
+
+/// The same, rows over the threads where the box is large.
+template <class F>
+void forManyRows(const Box& box, F&& f)
+{
+  const std::int64_t ny = box.high[1] - box.low[1];
+  const std::int64_t rows = ny * (box.high[2] - box.low[2]);
+#pragma omp parallel for schedule(static) if (box.count() >= worthThreads)
+  for (std::int64_t i = 0; i < rows; ++i)
+    f(box.low[1] + i % ny, box.low[2] + i / ny);
 }
 
 /// The springs of the bonds in a box of the finest level, written out: the bits are looked at once, the product is

@@ -143,16 +143,18 @@ float StretchTiles::measure(const EventHierarchy& state, std::int64_t tile) cons
   return largest;
 }
 
-void StretchTiles::refreshAll(const EventHierarchy& state)
+void StretchTiles::refreshAll(const EventHierarchy& state, double least)
 {
   ++now_;
+  const double from = least * static_cast<double>(*std::max_element(largest_.begin(), largest_.end()));
   const auto count = static_cast<std::int64_t>(largest_.size());
 #pragma omp parallel for schedule(static) if (bonds_.layout().owned() >= worthThreads)
   for (std::int64_t t = 0; t < count; ++t)
-  {
-    largest_[static_cast<std::size_t>(t)] = measure(state, t);
-    state_[static_cast<std::size_t>(t)] = now_;
-  }
+    if (static_cast<double>(largest_[static_cast<std::size_t>(t)]) >= from)
+    {
+      largest_[static_cast<std::size_t>(t)] = measure(state, t);
+      state_[static_cast<std::size_t>(t)] = now_;
+    }
 }
 
 void StretchTiles::refresh(EventHierarchy& state, const Box& window)

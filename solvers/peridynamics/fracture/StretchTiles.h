@@ -17,7 +17,8 @@ public:
   explicit StretchTiles(const BondLattice& bonds);
 
   /// Everything has changed: all tiles anew, over the threads. EventHierarchy::correction() must be up to date.
-  void refreshAll(const EventHierarchy& state);
+  /// @param least only those that had this share of the largest
+  void refreshAll(const EventHierarchy& state, double least = 0);
   /// A break has changed everything a little, and a window more than that.
   void refresh(EventHierarchy& state, const Box& window);
   /// The largest, of tiles that are looked at anew until the largest one is fresh.
