@@ -15,6 +15,11 @@ namespace
 constexpr int mostIterations = 200; // of an exact correction: some ten are usual
 constexpr double nearby = 0.8;      // of the largest s/s₀: what a handful of events does not make the next to break
 
+int orUsual(int radius, int dimension, int inPlane, int inSpace)
+{
+  return radius > 0 ? radius : dimension == 3 ? inSpace : inPlane;
+}
+
 } // namespace
 
 EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
@@ -26,6 +31,8 @@ EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const P
   , state_(bonds, sample.fixed, sample.displacement, tolerance, progress)
   , tiles_(bonds)
   , pieces_(bonds, sample, platens)
+  , radius_(orUsual(options.radius, bonds.dimension(), 12, 6))
+  , coarseRadius_(orUsual(options.coarseRadius, bonds.dimension(), 8, 4))
   , reached_(tolerance)
 {
   refine();
@@ -65,6 +72,8 @@ EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const P
   , state_(bonds, sample.fixed, { resumed.displacement, resumed.numbers.at("load force") })
   , tiles_(bonds)
   , pieces_(bonds, sample, platens)
+  , radius_(orUsual(options.radius, bonds.dimension(), 12, 6))
+  , coarseRadius_(orUsual(options.coarseRadius, bonds.dimension(), 8, 4))
   , workOverForce_(resumed.numbers.at("work over force"))
   , reached_(resumed.numbers.at("residual"))
 {
@@ -110,7 +119,7 @@ void EventEngine::afterGlobal(int iterations, double start)
 
 bool EventEngine::correct(double tolerance)
 {
-  if (sinceGlobal_ == 0 && reached_ <= tolerance)
+  if ((sinceGlobal_ == 0 && reached_ <= tolerance) || state_.expectedResidual() <= tolerance)
     return false;
   const double start = seconds();
   afterGlobal(state_.correctGlobally({ tolerance, mostIterations }).iterations, start);
@@ -211,8 +220,8 @@ void EventEngine::breakBond(const Bond& bond)
   statistics_.searchSeconds += start - broken;
 
   const double dipole = state_.dipole(i, bond.offset, spring * before);
-  const EventHierarchy::Local local = state_.correct(boxOf(bond), options_.radius, options_.coarseRadius,
-    options_.reduction * options_.reduction * dipole, options_.maxCycles);
+  const EventHierarchy::Local local = state_.correct(
+    boxOf(bond), radius_, coarseRadius_, options_.reduction * options_.reduction * dipole, options_.maxCycles);
   statistics_.localCycles += local.cycles;
   statistics_.nodesVisited += local.visited;
   // exact for an equilibrium before and after

@@ -49,6 +49,8 @@ private:
   EventHierarchy state_;
   StretchTiles tiles_;
   LoosePieces pieces_;
+  int radius_;
+  int coarseRadius_;
   double force_ = 0;
   double workOverForce_ = 0; ///< at unit load, of twice the elastic energy: both are in proportion to the stiffness
   int sinceGlobal_ = 0;      ///< events

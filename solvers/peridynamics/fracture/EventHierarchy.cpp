@@ -75,6 +75,8 @@ void EventHierarchy::renew()
   restrictAll();
   sinceDouble_ = looks_ = 0;
   looked_ = false;
+  freed_ = 0;
+  size_ = left_ = unmeasured;
 }
 
 // Also when round-off has got the better of the matrices.
@@ -220,6 +222,7 @@ double EventHierarchy::breakBond(std::int64_t index, int offset)
   const Bond bond = bonds_.bond(index, offset);
   bonds_.breakBonds({ &bond, 1 });
   multigrid_->subtract(spring);
+  freed_ += std::abs(spring.stiffness * along);
   slow_.breakBond(index, offset, spring.stiffness);
   return spring.stiffness;
 }

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -88,6 +89,9 @@ public:
   [[nodiscard]] const NodeField<double>& base() const noexcept { return base_; }
   /// The last global correction found nothing to do.
   [[nodiscard]] bool looked() const noexcept { return looked_; }
+  /// Of the reference: what breaks have left of the residual force since it was last measured, by what they left
+  /// before, and twice that.
+  [[nodiscard]] double expectedResidual() const noexcept;
   /// Forces on all nodes, after a global correction only: those on fixed components are reactions.
   [[nodiscard]] const NodeField<float>& force() const noexcept { return looked_ ? direction_ : levels_.front().g; }
   /// Largest |Pᵀρ_l − ρ_{l+1}| over the largest |ρ₀|, ρ the residuals: round-off. For tests; visits everything.
@@ -95,6 +99,8 @@ public:
   [[nodiscard]] std::int64_t bytes() const noexcept;
 
 private:
+  static constexpr double unmeasured = std::numeric_limits<double>::infinity();
+
   struct EventLevel
   {
     NodeField<float> w;      ///< this level's part
@@ -114,6 +120,7 @@ private:
   void restrictChange(std::size_t level);
   void relaxCoarsest();
   void measureResidual();
+  void learn(double size);
   void collapse();
   void restrictAll();
   void residualInDouble();
@@ -139,6 +146,9 @@ private:
   int sinceDouble_ = 0;        ///< global corrections that changed something
   int looks_ = 0;              ///< those since that did not
   bool looked_ = false;        ///< the last one was such
+  double size_ = unmeasured;   ///< norm of the residual force after that
+  double freed_ = 0;           ///< force of the bonds that have broken since, all added up
+  double left_ = unmeasured;   ///< share of it that local corrections leave
 
   std::vector<Box> inner_; ///< windows of the levels
   std::vector<Box> outer_; ///< what their product reaches

@@ -73,9 +73,11 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
   const EventOptions& e = o.events;
   const std::int64_t widest =
     std::max({ bonds.layout().global[0], bonds.layout().global[1], bonds.layout().global[2] });
+  const auto orUsual = [](int radius, int low) { return std::int64_t{ radius == 0 ? low : radius }; };
+  const int layers = bonds.stencil().layers();
   for (const auto& [name, value, low, high] :
-    { std::tuple{ "radius", std::int64_t{ e.radius }, std::int64_t{ bonds.stencil().layers() }, 2 * widest + 8 },
-      { "coarse radius", std::int64_t{ e.coarseRadius }, std::int64_t{ 2 }, 2 * widest + 8 },
+    { std::tuple{ "radius", orUsual(e.radius, layers), std::int64_t{ layers }, 2 * widest + 8 },
+      { "coarse radius", orUsual(e.coarseRadius, 2), std::int64_t{ 2 }, 2 * widest + 8 },
       { "number of cycles", std::int64_t{ e.maxCycles }, std::int64_t{ 1 }, std::int64_t{ 1000 } },
       { "number of events between global corrections", std::int64_t{ e.globalEvery }, std::int64_t{ 1 },
         std::int64_t{ 1000000 } },

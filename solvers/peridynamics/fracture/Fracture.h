@@ -37,8 +37,10 @@ enum class Breaking
 /// the broken bonds were those of FractureMethod::Accurate, on cemented grains and on wood.
 struct EventOptions
 {
-  int radius = 12;               ///< nodes around a broken bond that are corrected on the finest level
-  int coarseRadius = 8;          ///< on each coarser one, beyond what the finer one's window covers
+  /// Nodes around a broken bond that are corrected on the finest level. 0: 12 in the plane, 6 in space.
+  int radius = 0;
+  /// On each coarser one, beyond what the finer one's window covers. 0: 8 in the plane, 4 in space.
+  int coarseRadius = 0;
   double reduction = 0.02;       ///< of the residual around the bond, over the force that it carried
   int maxCycles = 12;            ///< around a bond
   int globalEvery = 20;          ///< events of an avalanche between two global corrections
@@ -52,7 +54,7 @@ struct EventOptions
   double rivalTolerance = 5e-5;
   double riseTolerance = 2e-6; ///< the same before the load rises, on which the peak depends
   /// The same where the stress stays a twentieth below the largest so far: no strength depends on it any more.
-  double softeningTolerance = 1e-5;
+  double softeningTolerance = 5e-6;
 };
 
 /// Where a fracture stands, for FractureOptions::progress.

@@ -98,6 +98,25 @@ void EventHierarchy::collapse()
     level.w.fill(0);
 }
 
+// Forgets slowly, for the next break may be like the one before the last.
+void EventHierarchy::learn(double size)
+{
+  constexpr double forget = 0.8;
+  if (freed_ > 0 && std::isfinite(size_))
+  {
+    const double left = std::max(0.0, size - size_) / freed_;
+    left_ = std::isfinite(left_) ? std::max(left, forget * left_) : left;
+  }
+  freed_ = 0;
+}
+
+double EventHierarchy::expectedResidual() const noexcept
+{
+  constexpr double safety = 2;
+  const double left = freed_ > 0 ? safety * left_ * freed_ : 0;
+  return (size_ + left) / reference_;
+}
+
 void EventHierarchy::residualInDouble()
 {
   const NodeLayout& l = bonds_.layout();
@@ -157,9 +176,11 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
   NodeField<float>& p = direction_;
   measureResidual();
   double size = freeNorm(direction_);
+  learn(size);
   const auto [tolerance, maxIterations] = further && size <= goal.tolerance * reference_ ? *further : goal;
   const double target = tolerance * reference_;
   looked_ = size <= target && ++looks_ < mostLooks;
+  size_ = size;
   if (looked_)
     return { 0, tolerance };
   looks_ = 0;
@@ -246,6 +267,7 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
   for (std::size_t k = 0; k < levels_.size(); ++k)
     multigrid_->level(k).d.fill(0); // relax() counts on it
   restrictAll();
+  size_ = size;
   return { iterations, tolerance };
 }
 
