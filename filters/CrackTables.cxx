@@ -111,8 +111,8 @@ void fillPathTable(vtkTable* table, const CrackPaths& paths, const CrackScale& s
   }
 }
 
-void fillPairTable(
-  vtkTable* table, const CrackPaths& paths, std::span<const cracks::PairShare> counted, const CrackScale& scale)
+void fillPairTable(vtkTable* table, std::span<const cracks::PairShare> found, double all,
+  std::span<const cracks::PairShare> counted, const CrackScale& scale)
 {
   struct Row
   {
@@ -124,14 +124,14 @@ void fillPairTable(
   double size = 0;
   for (const cracks::PairShare& s : counted)
   {
-    const auto on = std::find_if(paths.pairs.begin(), paths.pairs.end(),
+    const auto on = std::find_if(found.begin(), found.end(),
       [&](const cracks::PairShare& p) { return p.phases == s.phases && p.betweenGrains == s.betweenGrains; });
-    rows.push_back({ s, on != paths.pairs.end() ? on->length : 0 });
+    rows.push_back({ s, on != found.end() ? on->length : 0 });
     bonds += static_cast<double>(s.bonds);
     size += s.counted;
   }
-  // paths may run between phases that only the image knows
-  for (const cracks::PairShare& p : paths.pairs)
+  // cracks may run between phases that only the image knows
+  for (const cracks::PairShare& p : found)
     if (std::none_of(counted.begin(), counted.end(),
           [&](const cracks::PairShare& s) { return p.phases == s.phases && p.betweenGrains == s.betweenGrains; }))
       rows.push_back({ { p.phases, p.betweenGrains }, p.length });
@@ -145,14 +145,12 @@ void fillPairTable(
     "phase_high", "greater phase", [](const Row& row) { return row.pair.phases[1]; });
   columns.counts(
     "between_grains", "1: in two different grains", [&](const Row& row) { return row.pair.betweenGrains ? 1 : 0; });
-  if (!space)
-  {
-    columns.numbers(
-      "length", "m", "of the paths between nodes of these phases",
-      [&](const Row& row) { return scale.metres(row.length); });
-    columns.numbers(
-      "share", "1", "of the length of all paths", [&](const Row& row) { return share(row.length, paths.length); });
-  }
+  const double unit = std::pow(scale.input.lattice.spacing, scale.input.lattice.dimension - 1);
+  columns.numbers(
+    space ? "area" : "length", space ? "m^2" : "m", "of the cracks between nodes of these phases",
+    [&](const Row& row) { return unit * row.length; });
+  columns.numbers(
+    "share", "1", "of that of all cracks", [&](const Row& row) { return share(row.length, all); });
   columns.counts(
     "bonds", "broken bonds between these phases", [&](const Row& row) { return row.pair.bonds; });
   columns.numbers(
@@ -160,8 +158,7 @@ void fillPairTable(
     [&](const Row& row) { return share(static_cast<double>(row.pair.bonds), bonds); });
   columns.numbers(
     space ? "counted_area" : "counted_length", space ? "m^2" : "m", "that their number stands for",
-    [&](const Row& row)
-    { return row.pair.counted * std::pow(scale.input.lattice.spacing, scale.input.lattice.dimension - 1); });
+    [&](const Row& row) { return row.pair.counted * unit; });
   columns.numbers(
     "share_of_counted", "1", "of all of it", [&](const Row& row) { return share(row.pair.counted, size); });
 }

@@ -3,6 +3,7 @@
 #include "CrackInput.h"
 #include "CrackSample.h"
 
+#include "cracks/CrackSurface.h"
 #include "cracks/ThroughPath.h"
 
 #include <span>
@@ -31,13 +32,25 @@ struct CrackScale
 /// One poly-line a path; paths that meet share a point.
 void fillCrackPaths(vtkPolyData* output, const cracks::CrackPaths& paths, const CrackScale& scale);
 
+/// Of the surfaces in a volume [spacings²].
+struct CrackAreas
+{
+  double all = 0;
+  double main = 0;                      ///< of crack 1
+  std::vector<cracks::PairShare> pairs; ///< their length is an area
+};
+/// Triangles, one row a crack, and one row an event at which surfaces grew.
+[[nodiscard]] CrackAreas fillCrackSurfaces(
+  vtkPolyData* output, vtkTable* table, vtkTable* growth, const cracks::CrackSurface& surface, const CrackScale& scale);
+
 /// One row a path.
 void fillPathTable(vtkTable* table, const cracks::CrackPaths& paths, const CrackScale& scale);
 
-/// One row a pair of phases that a path runs through or that broken bonds join.
+/// One row a pair of phases that a crack runs through or that broken bonds join.
+/// @param found, all lengths of paths, in space areas of surfaces
 /// @param counted of all broken bonds
-void fillPairTable(vtkTable* table, const cracks::CrackPaths& paths, std::span<const cracks::PairShare> counted,
-  const CrackScale& scale);
+void fillPairTable(vtkTable* table, std::span<const cracks::PairShare> found, double all,
+  std::span<const cracks::PairShare> counted, const CrackScale& scale);
 
 /// One row an event at which a path grew.
 void fillGrowthTable(vtkTable* table, const cracks::CrackPaths& paths, const CrackScale& scale);

@@ -13,6 +13,7 @@
 #include "core/Error.h"
 #include "cracks/BondCount.h"
 #include "cracks/CrackPaths.h"
+#include "cracks/CrackSurface.h"
 #include "cracks/CrackTip.h"
 #include "cracks/ThroughPath.h"
 
@@ -21,6 +22,7 @@
 #include "vtkInformation.h"
 #include "vtkInformationVector.h"
 #include "vtkIntArray.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkPolyData.h"
@@ -80,8 +82,12 @@ struct vtkCrackPath::Work
     if (sample)
       scale.phases = sample->names();
     this->Report(0.4);
+    const bool space = input.lattice.dimension == 3;
     cracks::CrackPaths paths;
-    if (input.lattice.dimension == 2)
+    cracks::CrackSurface surface;
+    if (space)
+      this->FindSurface(surface, scale, sample);
+    else
       this->FindPaths(paths, scale, sample);
     this->Report(0.7);
     const cracks::BondCount count(input.lattice.dimension, input.horizon);
@@ -93,11 +99,13 @@ struct vtkCrackPath::Work
         this->WriteFragments(sample->fragments(), input.lattice);
     }
     this->Report(0.95);
-    if (this->Team.rank() == 0)
+    if (space)
+      this->WriteSurface(surface, count, scale);
+    else if (this->Team.rank() == 0)
     {
       lamella::fillCrackPaths(this->Paths(), paths, scale);
       lamella::fillPathTable(this->Table(1), paths, scale);
-      lamella::fillPairTable(this->Table(2), paths, cracks::bondsByPair(input.bonds, count), scale);
+      lamella::fillPairTable(this->Table(2), paths.pairs, paths.length, cracks::bondsByPair(input.bonds, count), scale);
       lamella::fillGrowthTable(this->Table(3), paths, scale);
     }
     lamella::setFieldTexts(this->Paths(), "phase_names", scale.phases);
@@ -140,6 +148,46 @@ struct vtkCrackPath::Work
       cracks::openings(paths, input.lattice, displacement);
       scale.opening = true;
     }
+  }
+
+  void FindSurface(cracks::CrackSurface& surface, const lamella::CrackScale& scale,
+    const std::optional<lamella::CrackSample>& sample) const
+  {
+    std::vector<std::uint8_t> phase;
+    std::vector<std::uint8_t> solid;
+    if (sample)
+    {
+      phase = sample->phases();
+      solid = sample->solid(phase);
+    }
+    const lamella::CrackInput& input = scale.input;
+    const double least = this->Self->MinimumLength < 0 ? input.horizon : this->Self->MinimumLength;
+    this->Team.agree([&]
+      { surface = cracks::findCrackSurface(input.lattice, input.horizon, input.bonds, phase, solid, least * least); });
+  }
+
+  void WriteSurface(
+    const cracks::CrackSurface& surface, const cracks::BondCount& count, const lamella::CrackScale& scale) const
+  {
+    const double square = scale.input.lattice.spacing * scale.input.lattice.spacing;
+    std::array<double, 2> areas{};
+    if (this->Team.rank() == 0)
+    {
+      vtkNew<vtkFieldData> kept; // the surface takes the place of all that there is
+      kept->ShallowCopy(this->Paths()->GetFieldData());
+      const lamella::CrackAreas found =
+        lamella::fillCrackSurfaces(this->Paths(), this->Table(1), this->Table(3), surface, scale);
+      this->Paths()->GetFieldData()->ShallowCopy(kept);
+      lamella::fillPairTable(
+        this->Table(2), found.pairs, found.all, cracks::bondsByPair(scale.input.bonds, count), scale);
+      areas = { found.all, found.main };
+    }
+    this->Team.sum(areas);
+    this->Set("crack_count", { static_cast<double>(surface.cracks) });
+    this->Set("crack_area", { square * areas[0] });
+    this->Set("main_area", { square * areas[1] });
+    this->Set("left_out_cracks", { static_cast<double>(surface.leftOutCracks) });
+    this->Set("left_out_faces", { static_cast<double>(surface.leftOutFaces) });
   }
 
   void WriteNumbers(

@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <bitset>
+#include <array>
 #include <tuple>
 #include <unordered_map>
 
@@ -15,117 +15,191 @@ namespace lamella::cracks
 namespace
 {
 
-/// Steps of at most eight along each axis.
-constexpr int reach = 8;
-constexpr int width = 2 * reach + 1;
-using Steps = std::bitset<width * width>;
+using Step = std::array<int, 3>;
+using Node = std::array<std::int64_t, 3>;
 
-std::size_t place(int x, int y)
+Node operator+(const Node& n, const Step& s)
 {
-  return static_cast<std::size_t>(x + reach + width * (y + reach));
+  return { n[0] + s[0], n[1] + s[1], n[2] + s[2] };
 }
 
-/// A node with bonds to both of two neighbours: its steps from either.
+/// A node with bonds to both of two neighbours: its step from the first, and the numbers of its steps from either.
 struct Common
 {
-  std::array<int, 2> fromFirst;
-  std::size_t first;
-  std::size_t second;
+  Step fromFirst;
+  int first;
+  int second;
 };
 
-std::vector<Common> commonNeighbours(const peridynamics::Stencil& stencil, int axis)
+/// The steps that bonds make, and none, by number.
+class Steps
 {
-  std::vector<std::array<int, 2>> steps{ { 0, 0 } };
-  Steps known;
-  known.set(place(0, 0));
-  for (const peridynamics::Offset& o : stencil.half())
-    for (const int sign : { 1, -1 })
-    {
-      steps.push_back({ sign * o.step[0], sign * o.step[1] });
-      known.set(place(steps.back()[0], steps.back()[1]));
-    }
-  std::vector<Common> common;
-  for (const auto& [x, y] : steps)
+public:
+  explicit Steps(const peridynamics::Stencil& stencil, int dimension)
+    : reach_(stencil.layers())
+    , width_(2 * reach_ + 1)
+    , number_(static_cast<std::size_t>(width_ * width_ * (dimension == 3 ? width_ : 1)), -1)
+    , flat_(dimension == 2)
   {
-    const int fromX = x - (axis == 0 ? 1 : 0);
-    const int fromY = y - (axis == 1 ? 1 : 0);
-    if (std::abs(fromX) <= reach && std::abs(fromY) <= reach && known.test(place(fromX, fromY)))
-      common.push_back({ { x, y }, place(x, y), place(fromX, fromY) });
+    add({ 0, 0, 0 });
+    for (const peridynamics::Offset& o : stencil.half())
+    {
+      add({ o.step[0], o.step[1], o.step[2] });
+      add({ -o.step[0], -o.step[1], -o.step[2] });
+    }
   }
-  return common;
-}
+
+  [[nodiscard]] int reach() const noexcept { return reach_; }
+  [[nodiscard]] int count() const noexcept { return static_cast<int>(all_.size()); }
+  /// -1: no bond is like that.
+  [[nodiscard]] int number(const Step& s) const
+  {
+    for (const int c : s)
+      if (std::abs(c) > reach_)
+        return -1;
+    return number_[place(s)];
+  }
+  [[nodiscard]] std::vector<Common> commonOf(int axis) const
+  {
+    std::vector<Common> common;
+    for (int k = 0; k < count(); ++k)
+    {
+      Step from = all_[static_cast<std::size_t>(k)];
+      from[static_cast<std::size_t>(axis)] -= 1;
+      if (const int second = number(from); second >= 0)
+        common.push_back({ all_[static_cast<std::size_t>(k)], k, second });
+    }
+    return common;
+  }
+
+private:
+  [[nodiscard]] std::size_t place(const Step& s) const
+  {
+    const int z = flat_ ? 0 : s[2] + reach_;
+    return static_cast<std::size_t>(s[0] + reach_ + width_ * (s[1] + reach_ + width_ * z));
+  }
+  void add(const Step& s)
+  {
+    number_[place(s)] = count();
+    all_.push_back(s);
+  }
+
+  int reach_;
+  int width_;
+  std::vector<int> number_;
+  std::vector<Step> all_;
+  bool flat_;
+};
+
+/// A bit a step that a node has lost, for the nodes that lost any.
+class LostSteps
+{
+public:
+  LostSteps(int steps, std::size_t bonds)
+    : words_(static_cast<std::size_t>(steps + 63) / 64)
+  {
+    slots_.reserve(bonds);
+  }
+  void lose(std::int64_t node, int step)
+  {
+    const auto [found, isNew] = slots_.try_emplace(node, slots_.size());
+    if (isNew)
+      bits_.resize(bits_.size() + words_);
+    bits_[found->second * words_ + static_cast<std::size_t>(step) / 64] |= std::uint64_t{ 1 } << (step % 64);
+  }
+  /// Null: none.
+  [[nodiscard]] const std::uint64_t* of(std::int64_t node) const
+  {
+    const auto found = slots_.find(node);
+    return found == slots_.end() ? nullptr : bits_.data() + found->second * words_;
+  }
+  [[nodiscard]] static bool has(const std::uint64_t* bits, int step)
+  {
+    return bits != nullptr && (bits[step / 64] >> (step % 64) & 1U) != 0;
+  }
+  [[nodiscard]] const std::unordered_map<std::int64_t, std::size_t>& nodes() const noexcept { return slots_; }
+
+private:
+  std::size_t words_;
+  std::unordered_map<std::int64_t, std::size_t> slots_;
+  std::vector<std::uint64_t> bits_;
+};
 
 } // namespace
 
 std::vector<CrackEdge> crackEdges(
   const Lattice& lattice, double horizon, std::span<const CutBond> bonds, std::span<const std::uint8_t> solid)
 {
-  if (lattice.dimension != 2)
-    throw ParameterError("paths of cracks in a volume", "they are found in pictures; count the bonds instead");
-  const peridynamics::Stencil stencil(2, horizon);
-  const auto exists = [&](std::int64_t x, std::int64_t y)
+  const peridynamics::Stencil stencil(lattice.dimension, horizon);
+  const auto exists = [&](const Node& n)
   {
-    return x >= 0 && x < lattice.size[0] && y >= 0 && y < lattice.size[1] &&
-      (solid.empty() || solid[static_cast<std::size_t>(lattice.index(x, y))] != 0);
+    for (std::size_t a = 0; a < 3; ++a)
+      if (n[a] < 0 || n[a] >= lattice.size[a])
+        return false;
+    return solid.empty() || solid[static_cast<std::size_t>(lattice.index(n[0], n[1], n[2]))] != 0;
   };
-  std::unordered_map<std::int64_t, Steps> lost; // by node
-  lost.reserve(bonds.size());
+  const Steps steps(stencil, lattice.dimension);
+  LostSteps lost(steps.count(), bonds.size());
   for (const CutBond& b : bonds)
   {
-    if (std::max(std::abs(b.step[0]), std::abs(b.step[1])) > stencil.layers())
-      throw ParameterError(fmt::format("a broken bond of {} and {} spacings is longer than the horizon of {:g}",
-                             b.step[0], b.step[1], horizon),
+    const Step& s = b.step;
+    if (std::max({ std::abs(s[0]), std::abs(s[1]), std::abs(s[2]) }) > steps.reach())
+      throw ParameterError(lattice.dimension == 3
+          ? fmt::format(
+              "a broken bond of {}, {} and {} spacings is longer than the horizon of {:g}", s[0], s[1], s[2], horizon)
+          : fmt::format("a broken bond of {} and {} spacings is longer than the horizon of {:g}", s[0], s[1], horizon),
         "give the horizon with which the sample was broken");
-    const std::int64_t x = b.node[0] + b.step[0];
-    const std::int64_t y = b.node[1] + b.step[1];
-    if (!exists(b.node[0], b.node[1]) || !exists(x, y))
+    const Node other = b.node + s;
+    const int number = steps.number(s);
+    if (number < 0 || !exists(b.node) || !exists(other))
       continue;
-    lost[lattice.index(b.node[0], b.node[1])].set(place(b.step[0], b.step[1]));
-    lost[lattice.index(x, y)].set(place(-b.step[0], -b.step[1]));
+    lost.lose(lattice.index(b.node[0], b.node[1], b.node[2]), number);
+    lost.lose(lattice.index(other[0], other[1], other[2]), steps.number({ -s[0], -s[1], -s[2] }));
   }
 
-  const std::array<std::vector<Common>, 2> common{ commonNeighbours(stencil, 0), commonNeighbours(stencil, 1) };
-  const Steps none;
+  std::vector<std::vector<Common>> common;
+  std::array<std::int64_t, 3> pitch{ 1, lattice.size[0], lattice.size[0] * lattice.size[1] };
+  for (int axis = 0; axis < lattice.dimension; ++axis)
+    common.push_back(steps.commonOf(axis));
   std::vector<CrackEdge> edges;
-  const auto judge = [&](std::int64_t x, std::int64_t y, int axis)
+  const auto judge = [&](const Node& n, int axis)
   {
-    const std::int64_t otherX = x + (axis == 0 ? 1 : 0);
-    const std::int64_t otherY = y + (axis == 1 ? 1 : 0);
-    if (!exists(x, y) || !exists(otherX, otherY))
+    Node next = n;
+    ++next[static_cast<std::size_t>(axis)];
+    if (!exists(n) || !exists(next))
       return;
-    const auto find = [&](std::int64_t node) -> const Steps&
-    {
-      const auto found = lost.find(node);
-      return found == lost.end() ? none : found->second;
-    };
-    const Steps& first = find(lattice.index(x, y));
-    const Steps& second = find(lattice.index(otherX, otherY));
+    const std::uint64_t* first = lost.of(lattice.index(n[0], n[1], n[2]));
+    const std::uint64_t* second = lost.of(lattice.index(next[0], next[1], next[2]));
     int one = 0;
     int both = 0;
     for (const Common& c : common[static_cast<std::size_t>(axis)])
-      if (exists(x + c.fromFirst[0], y + c.fromFirst[1]))
+      if (exists(n + c.fromFirst))
       {
-        const int held = (first.test(c.first) ? 0 : 1) + (second.test(c.second) ? 0 : 1);
+        const int held = (LostSteps::has(first, c.first) ? 0 : 1) + (LostSteps::has(second, c.second) ? 0 : 1);
         one += held == 1 ? 1 : 0;
         both += held == 2 ? 1 : 0;
       }
     if (one > both)
-      edges.push_back({ x, y, axis, static_cast<double>(one - both) / (one + both) });
+      edges.push_back({ n[0], n[1], axis, static_cast<double>(one - both) / (one + both), n[2] });
   };
-  for (const auto& [node, steps] : lost)
+  for (const auto& [node, slot] : lost.nodes())
   {
-    const std::int64_t x = node % lattice.size[0];
-    const std::int64_t y = node / lattice.size[0];
-    judge(x, y, 0);
-    judge(x, y, 1);
-    // a pair is judged from its first node, but for those whose first node lost nothing
-    if (x > 0 && !lost.contains(node - 1))
-      judge(x - 1, y, 0);
-    if (y > 0 && !lost.contains(node - lattice.size[0]))
-      judge(x, y - 1, 1);
+    const Node n{ node % pitch[1], node / pitch[1] % lattice.size[1], node / pitch[2] };
+    for (int axis = 0; axis < lattice.dimension; ++axis)
+    {
+      const auto a = static_cast<std::size_t>(axis);
+      judge(n, axis);
+      // a pair is judged from its first node, but for those whose first node lost nothing
+      if (n[a] == 0 || lost.of(node - pitch[a]) != nullptr)
+        continue;
+      Node before = n;
+      --before[a];
+      judge(before, axis);
+    }
   }
   std::sort(edges.begin(), edges.end(),
-    [](const CrackEdge& a, const CrackEdge& b) { return std::tie(a.y, a.x, a.axis) < std::tie(b.y, b.x, b.axis); });
+    [](const CrackEdge& a, const CrackEdge& b)
+    { return std::tie(a.z, a.y, a.x, a.axis) < std::tie(b.z, b.y, b.x, b.axis); });
   return edges;
 }
 

@@ -146,6 +146,8 @@ CrackPath pathOf(const CrackChain& chain, const CrackCurve& curve, std::span<con
 CrackPaths findCrackPaths(const Lattice& lattice, double horizon, std::span<const CutBond> bonds,
   std::span<const std::uint8_t> phase, std::span<const std::uint8_t> solid, CrackPathOptions options)
 {
+  if (lattice.dimension != 2)
+    throw ParameterError("paths of cracks in a volume", "they are found in pictures; in a volume cracks are surfaces");
   const auto nodes = static_cast<std::size_t>(lattice.count());
   if ((!phase.empty() && phase.size() != nodes) || (!solid.empty() && solid.size() != nodes))
     throw InputError(fmt::format("{} phases and {} solid nodes for {} nodes", phase.size(), solid.size(), nodes),
