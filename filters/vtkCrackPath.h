@@ -1,6 +1,6 @@
 /**
  * @class   vtkCrackPath
- * @brief   cracks from broken bonds: lines with their length, direction and phases; fragments
+ * @brief   cracks from broken bonds: lines, in volumes surfaces, with size, direction and phases; fragments
  *
  * **Input 0**: vtkPolyData, a point at the middle of every broken bond, with the point array `bond` (3 components: from
  * one node to the other [m]) and, where they are known, `event` (or `step`), `strain` or `time`, `phases` (2), and
@@ -43,8 +43,13 @@
  * `left_out_spurs`, `crushed_pieces`; with an image `fragment_count`, `fragment_largest` (share of the solid),
  * `severed` (3: no fragment reaches from side to side along this axis).
  *
- * **Volumes** have no paths: outputs 0, 1 and 3 are empty but for the field data, and areas are counted from the
- * broken bonds.
+ * **Volumes**: output 0 holds triangles, two for each face of two voxels that are parted as in (1), on the smoothest
+ * surface that still passes between them. Cell data: `crack` (faces that share an edge; 1 has most of them), `area`
+ * [m²], `normal` (those of neighbours point alike), `event` and `strain` (or `time`) at which half of the bonds there
+ * were broken, `phases` (2), `between_grains`. Output 1 has a row a crack: `crack`, `area` [m²], `normal_x` ... (axial
+ * mean), `alignment` (mean of (n · that)²; 1 of a plane), `first_event` ..., extents, `share_<pair>` of the area.
+ * Output 2 has `area` [m²] in place of `length`, output 3 `area`, `main_area` [m²]. Field data: `crack_count`,
+ * `crack_area`, `main_area` [m²], `left_out_cracks`, `left_out_faces`, and what is counted.
  *
  * **Counted**: each broken bond stands for some length (area), by Cauchy and Crofton's formula (cracks/BondCount.h).
  * That needs no path and no smoothing, and is exact but for `count_anisotropy` where a smooth crack cut all bonds
@@ -76,8 +81,8 @@ public:
   void PrintSelf(ostream& os, vtkIndent indent) override;
 
   /**
-   * Shorter cracks are left out and counted [spacings], unless they part a wall between voids or sides. 0 keeps all;
-   * -1: the horizon.
+   * Shorter cracks are left out and counted [spacings], unless they part a wall between voids or sides; in volumes
+   * those of fewer faces of voxels than its square. 0 keeps all; -1: the horizon.
    * @range [-1, inf)
    * @group Cracks
    * @unit spacings

@@ -81,16 +81,39 @@ std::string pathsText(const Json& json)
   return rows;
 }
 
+std::string squares(const Json& area)
+{
+  return shown(area, "{:.4g} mm²", 1e6);
+}
+
+std::string surfacesText(const Json& json)
+{
+  std::string rows = fmt::format(
+    "\n  {:>5}{:>16}{:>22}{:>11}{:>13}{:>13}\n", "crack", "area", "normal", "alignment", "first event", "last event");
+  constexpr std::size_t most = 12;
+  for (std::size_t i = 0; i < std::min(most, json["paths"].size()); ++i)
+  {
+    const Json& p = json["paths"][i];
+    rows += fmt::format("  {:>5}{:>17}{:>22}{:>11}{:>13}{:>13}\n", p["crack"].get<int>(), squares(p["area"]),
+      fmt::format("{:.2f}, {:.2f}, {:.2f}", p["normal_x"].get<double>(), p["normal_y"].get<double>(),
+        p["normal_z"].get<double>()),
+      shown(p["alignment"], "{:.3f}"), counted(p["first_event"]), counted(p["last_event"]));
+  }
+  if (json["paths"].size() > most)
+    rows += fmt::format("  and {} more\n", json["paths"].size() - most);
+  return rows;
+}
+
 std::string pairsText(const Json& json)
 {
   const bool space = json["dimension"] == 3;
   std::string rows =
-    fmt::format("\n  {:<24}{:>14}{:>10}{:>10}\n", "between", space ? "counted area" : "length", "share", "bonds");
+    fmt::format("\n  {:<24}{:>14}{:>10}{:>10}\n", "between", space ? "area" : "length", "share", "bonds");
   for (const Json& p : json["pairs"])
   {
     rows += fmt::format("  {:<24}{:>{}}{:>10}{:>10}\n", p["pair"].get<std::string>(),
-      space ? shown(p["counted_area"], "{:.4g} mm²", 1e6) : micrometres(p["length"]), 15,
-      shown(space ? p["share_of_counted"] : p["share"], "{:.2f} %", 100), counted(p["bonds"]));
+      space ? squares(p["area"]) : micrometres(p["length"]), 15, shown(p["share"], "{:.2f} %", 100),
+      counted(p["bonds"]));
   }
   return rows;
 }
@@ -129,6 +152,12 @@ Json reportOf(const CrackPathOptions& o, vtkCrackPath* filter)
     json["left_out"] =
       keysOf(f, { { "cracks", Whole }, { "length" }, { "spurs", Whole }, { "bonds", Whole } }, "left_out_");
     addKeys(json, f, { { "crushed_pieces", Whole } });
+  }
+  else
+  {
+    addKeys(json, f, { { "cracks", Whole, "crack_count" }, { "area", Number, "crack_area" } });
+    json["main"] = { { "area", jsonNumber(f("main_area")) } };
+    json["left_out"] = keysOf(f, { { "cracks", Whole }, { "faces", Whole } }, "left_out_");
   }
   addKeys(json, f, { { plane ? "counted_length" : "counted_area", Number, "counted_size" }, { "count_anisotropy" } });
   json["normals"] = f.numbers("crack_normals");
@@ -181,9 +210,11 @@ std::string tableOf(const Json& json)
   }
   else
   {
-    words += line("area",
-      shown(json["counted_area"], "{:.4g} mm²", 1e6) + " by the number of broken bonds" +
+    words += line("cracks", fmt::format("{}, {} together", counted(json["cracks"]), squares(json["area"])));
+    words += line("counted",
+      squares(json["counted_area"]) + " by the number of broken bonds" +
         shown(json["count_anisotropy"], " (± {:.1f} % by direction)", 100));
+    words += line("left out", fmt::format("{} cracks too small", counted(json["left_out"]["cracks"])));
   }
   if (json.contains("fragments"))
   {
@@ -195,7 +226,7 @@ std::string tableOf(const Json& json)
         severed.empty() ? "some reach from side to side" : "severed along " + severed));
   }
   if (!json["paths"].empty())
-    words += pathsText(json);
+    words += plane ? pathsText(json) : surfacesText(json);
   if (!json["pairs"].empty())
     words += pairsText(json);
   words += wroteText(json["files"].get<std::vector<std::string>>());

@@ -106,11 +106,11 @@ const std::map<std::string, std::string>& reports()
       "largest:Pa reference:Pa tail{threshold count share theta theta_error distance} phases thresholds bins bin_width "
       "seconds" },
     { "crack-path",
-      "phases_file dimension horizon broken_bonds cracks length:m main{length:m through start{x:m y:m} tip{x:m y:m} "
+      "phases_file dimension horizon broken_bonds cracks length:m main{length:m area:m² through start{x:m y:m} tip{x:m y:m} "
       "extension:m} "
       "through{x{length:m in_voids:m in_solid:m chord:m tortuosity} y{length:m in_voids:m in_solid:m chord:m "
       "tortuosity}} angle:° "
-      "angle_spread:° left_out{cracks length:m spurs bonds} crushed_pieces counted_length:m counted_area:m² "
+      "angle_spread:° left_out{cracks length:m spurs bonds faces} crushed_pieces area:m² counted_length:m counted_area:m² "
       "count_anisotropy "
       "normals paths pairs fragments{count largest_share severed} seconds" },
     { "compression-curve",

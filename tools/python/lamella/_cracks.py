@@ -21,13 +21,14 @@ from .vtkLamellaFilters import vtkCrackPath
 class CrackPathResult(_arrays.FieldData):
     """``vtk`` holds the paths as poly-lines, the longest first; lengths are in metres, angles in degrees to x.
 
-    In a volume there are no paths, and areas are counted from the broken bonds.
+    In a volume it holds the cracks' surfaces as triangles, with the cell arrays ``crack``, ``area``, ``normal``,
+    ``event`` and ``phases``.
     """
 
     def __init__(self, crack_path) -> None:
-        #: vtkPolyData, a poly-line a path
+        #: vtkPolyData, a poly-line a path; in a volume triangles
         self.vtk = crack_path.GetOutput()
-        #: vtkTable, one row a path
+        #: vtkTable, one row a path; in a volume one row a crack
         self.vtk_paths = crack_path.GetPathTable()
         #: vtkTable, one row a pair of phases
         self.vtk_pairs = crack_path.GetPairTable()
@@ -55,31 +56,33 @@ class CrackPathResult(_arrays.FieldData):
     table: Columns = told(
         "Columns by name, one entry a path: ``path``, ``crack``, ``length``, ``chord``, ``tortuosity``, "
         "``angle``, ``angle_spread``, ``bonds``, ``counted_length``, ``first_event`` ..., ``begins_at``, "
-        "``ends_at``, ``begin_x`` ..., ``x_min`` ..., ``share_wall`` ...", "vtk_paths")
+        "``ends_at``, ``begin_x`` ..., ``x_min`` ..., ``share_wall`` ...; in a volume one entry a crack: ``crack``, "
+        "``area``, ``normal_x`` ..., ``alignment``, ``first_event`` ..., ``x_min`` ..., ``share_wall`` ...", "vtk_paths")
     pairs: Columns = told(
-        "Columns by name, one entry a pair of phases: ``pair``, ``length``, ``share``, ``bonds``, "
-        "``share_of_bonds``, ``counted_length`` or, in a volume, ``counted_area``.", "vtk_pairs")
+        "Columns by name, one entry a pair of phases: ``pair``, ``length`` (in a volume ``area``), ``share``, "
+        "``bonds``, ``share_of_bonds``, ``counted_length`` (``counted_area``).", "vtk_pairs")
 
     @property
     def shares(self) -> dict[str, float]:
-        """Share of the length (in a volume of the counted area) by pair of phases, as "wall", "wall-lamella"."""
+        """Share of the length (in a volume of the area) by pair of phases, as "wall", "wall-lamella"."""
         pairs = self.pairs
-        shares = pairs.get("share", pairs.get("share_of_counted", ()))
-        return {pair: float(share) for pair, share in zip(pairs.get("pair", ()), shares)}
+        return {pair: float(share) for pair, share in zip(pairs.get("pair", ()), pairs.get("share", ()))}
 
     growth: Columns = told(
-        "Columns by name, one entry an event: ``event``, ``strain`` or ``time``, ``length``, ``main_length``, "
-        "with times ``rate`` and ``main_rate`` [m/s].", "vtk_growth")
+        "Columns by name, one entry an event: ``event``, ``strain`` or ``time``, ``length``, ``main_length`` (in a "
+        "volume ``area``, ``main_area``), in pictures with times ``rate`` and ``main_rate`` [m/s].", "vtk_growth")
     fragments: Columns = told(
         "Columns by name, one entry a fragment, the largest first; empty without an image of phases.", "vtk_fragments")
 
     @property
     def count(self) -> int | None:
-        """Number of cracks: of sets of paths that hang together. None in a volume."""
+        """Number of cracks: of sets of paths, in a volume of faces of voxels, that hang together."""
         number = self._number("crack_count")
         return None if number is None else int(number)
 
     length: float | None = told("Length of all paths [m]. None in a volume.", "crack_length")
+    area: float | None = told("Area of all surfaces, one side [m²]. None in a picture.", "crack_area")
+    main_area: float | None = told("Area of crack 1 [m²]. None in a picture.")
     main_length: float | None = told("Length of the longest crack, its branches included [m]. None in a volume.")
 
     def _place(self, name):
@@ -120,12 +123,12 @@ class CrackPathResult(_arrays.FieldData):
         'Axes along which no fragment reaches from side to side, as "y"; None without an image of phases.', by="_axes")
 
     def save(self, path: Path, overwrite: bool = False) -> str:
-        """Writes the paths as .vtp, whole or not at all."""
+        """Writes the paths, or in a volume the surfaces, as .vtp, whole or not at all."""
         return _files.save_poly_data(self.vtk, path, overwrite)
 
     def __repr__(self) -> str:
         if self.length is None:
-            return f"<lamella.CrackPathResult: {self.broken} broken bonds, {self.counted:.4g} m²>"
+            return f"<lamella.CrackPathResult: {self.count} cracks, {self.area:.4g} m², {self.broken} broken bonds>"
         return f"<lamella.CrackPathResult: {self.count} cracks, {self.length:.4g} m, {self.broken} broken bonds>"
 
 
@@ -136,7 +139,7 @@ def crack_path(
     settings: Settings | None = None,
     progress: Progress | None = None,
 ) -> CrackPathResult:
-    """Makes lines of broken bonds, and measures them.
+    """Makes lines of broken bonds, in a volume surfaces, and measures them.
 
     broken          a FractureResult, or vtkPolyData: points at the middles of broken bonds, with the array ``bond``
     phases          a Sample, image or array of whole numbers on their lattice; with it voids and fragments are known.
