@@ -31,7 +31,7 @@ class Decomposition
 public:
   /// @param unevenness  how much more than its even share the largest part may hold so that parts can be halved
   /// @throws ParameterError when there are more ranks than rows to share out
-  Decomposition(const Lattice& lattice, const Communicator& comm, double unevenness = 0.01);
+  Decomposition(const Lattice& lattice, const Communicator& comm, double unevenness = 0.03);
 
   [[nodiscard]] const Block& block() const noexcept { return block_; }
   [[nodiscard]] Block block(int rank) const;

@@ -570,7 +570,7 @@ private:
     plan.bytes =
       estimateBytes(lattice,
         options_.directed && options_.steady.stencil != Stencil::Q1 ? Stencil::D2Q9 : options_.steady.stencil,
-        leanest(lattice, options_.steady.stencil, zeros == 0, Communicator(comm_).size()),
+        leanest(lattice, options_.steady.stencil, zeros == 0),
         static_cast<std::int64_t>(share * static_cast<double>(plan.nodes))) +
       static_cast<std::uint64_t>(plan.nodes);
     plan.allowed = allowed;

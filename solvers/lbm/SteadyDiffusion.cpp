@@ -199,9 +199,8 @@ struct SteadyDiffusion::Impl
       case Method::PieceMultigrid:
         if (!piecesFit(problem(axis)))
           refuse(Method::PieceMultigrid,
-            ": it needs straight links, one rank, conductivities within a ratio of 1e8, and an even number of nodes "
-            "where "
-            "sides are periodic");
+            ": it needs straight links, 8 rows a rank, conductivities within a ratio of 1e8, and an even number of "
+            "nodes where sides are periodic");
         return { options.method };
       case Method::Multigrid:
         if (!halves)
@@ -570,13 +569,13 @@ SurfaceDerivatives SteadyDiffusion::surfaceDerivatives() const
   return lbm::surfaceDerivatives(impl_->problem(impl_->axis), *impl_->backend);
 }
 
-Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts, int ranks) noexcept
+Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts) noexcept
 {
   if (stencil == Stencil::Q1)
     return Method::Multigrid;
   const bool lean = lattice.dimension == 3 && stencil == Stencil::D3Q7;
   if (!everyNodeConducts)
-    return lean && ranks == 1 ? Method::PieceMultigrid : Method::AlgebraicMultigrid;
+    return lean ? Method::PieceMultigrid : Method::AlgebraicMultigrid;
   return lean ? Method::LeanMultigrid : Method::Multigrid;
 }
 

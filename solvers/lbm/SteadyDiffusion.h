@@ -52,7 +52,7 @@ enum class Method
 {
   Auto,
   LeanMultigrid,     ///< geometric multigrid on blocks of nodes, 8.5 bytes a node; every node conducts
-  PieceMultigrid,    ///< the same on pieces of blocks: any contrast, and phases that do not conduct; one rank
+  PieceMultigrid,    ///< the same on pieces of blocks: any contrast, and phases that do not conduct
   Multigrid,         ///< operator-dependent geometric multigrid, conjugate gradients; every node conducts
   AlgebraicMultigrid ///< conducting nodes only, compact; phases of conductivity 0 are neither stored nor visited
 };
@@ -182,7 +182,7 @@ private:
 };
 
 /// The method that takes the least memory; what auto falls back on where another one does not fit.
-[[nodiscard]] Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts, int ranks) noexcept;
+[[nodiscard]] Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts) noexcept;
 
 /// Bytes that solving on this many nodes takes in solver arrays, before anything is allocated.
 [[nodiscard]] std::uint64_t estimateBytes(

@@ -17,7 +17,7 @@ namespace
 
 Method leanest(const StudySize& size)
 {
-  return leanest(size.lattice, size.stencil, size.conducting == size.lattice.count(), size.ranks);
+  return leanest(size.lattice, size.stencil, size.conducting == size.lattice.count());
 }
 
 // In doubles, for a refinement typed wrongly can have more nodes than 64 bits count. Beside the solver's arrays: the

@@ -28,6 +28,7 @@ public:
 
   /// Grid, sides and communication of this level; no links, no vectors.
   [[nodiscard]] Level& level() noexcept { return level_; }
+  [[nodiscard]] const Level& level() const noexcept { return level_; }
   /// Red–black Gauss–Seidel sweeps; backwards: black first.
   void relax(int sweeps, bool forward);
   /// Residual, summed over blocks of 2 × 2 × 2 nodes; right after forward sweeps.

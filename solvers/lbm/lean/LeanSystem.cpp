@@ -494,15 +494,20 @@ std::unique_ptr<Backend> makeLeanSystem(const Problem& problem)
 
 bool piecesFit(const Problem& problem)
 {
-  return blocksFit(problem) && !problem.comm.parallel();
+  return blocksFit(problem);
 }
 
 std::unique_ptr<Backend> makePieceSystem(const Problem& problem)
 {
-  const auto blocks = [&](std::uint8_t id) { return !(problem.diffusivity[id] > 0); };
-  const auto blocking = std::ranges::find_if(problem.phase, blocks);
+  // the least id that does not conduct, of all ranks
+  const double none = static_cast<double>(problem.diffusivity.size());
+  double blocking = none;
+  for (const std::uint8_t id : problem.phase)
+    if (!(problem.diffusivity[id] > 0))
+      blocking = std::min(blocking, static_cast<double>(id));
+  blocking = -problem.comm.max(-blocking);
   return std::make_unique<LeanSystem<PieceCorrection>>(
-    problem, blocking == problem.phase.end() ? nullptr : std::make_unique<Masked>(problem, *blocking));
+    problem, blocking == none ? nullptr : std::make_unique<Masked>(problem, static_cast<std::uint8_t>(blocking)));
 }
 
 } // namespace lamella::lbm

@@ -13,7 +13,7 @@ namespace lamella::lbm
 [[nodiscard]] bool leanFits(const Problem& problem);
 /// Of its arrays, the picture left out.
 [[nodiscard]] std::uint64_t leanBytes(const Lattice& lattice);
-/// And with pieces: one rank.
+/// And with pieces?
 [[nodiscard]] bool piecesFit(const Problem& problem);
 
 /// The steady system with the least memory: the picture where it is, one float a node, and coarse levels of blocks.

@@ -18,7 +18,9 @@ constexpr double strongPart = 0.25;
 // The same for all links along an axis, where spacings differ.
 constexpr double strongAxis = 0.1;
 // Small enough to be solved directly.
-constexpr std::size_t coarsestCount = 1000;
+constexpr std::int64_t coarsestCount = 1000;
+// Levels of fewer unknowns are gathered: each rank relaxes them sooner than it hears of its neighbours.
+constexpr std::int64_t sharedCount = 20000;
 // A level that is not smaller than this part of the one before ends the coarsening.
 constexpr double worthwhile = 0.8;
 // The coarsest level, where it is too large for that, is relaxed that often.
@@ -90,6 +92,42 @@ std::size_t blockIndex(const std::array<std::int64_t, 3>& blocks, const std::arr
   return static_cast<std::size_t>(p[0] + blocks[0] * (p[1] + blocks[1] * p[2]));
 }
 
+// Ghosts are parts of the next level's ghosts: their owners tell which, by its place along the side.
+void coarseOfGhosts(PieceLevel& fine, const PieceLevel& next)
+{
+  std::array<std::vector<std::uint32_t>, PieceHalo::sides> mine;
+  std::vector<std::uint32_t> place(next.count(), PieceLevel::none);
+  for (std::size_t side = 0; side < PieceHalo::sides; ++side)
+  {
+    const auto& along = next.halo.along(side);
+    for (std::size_t k = 0; k < along.size(); ++k)
+      place[along[k]] = static_cast<std::uint32_t>(k);
+    for (const std::uint32_t i : fine.halo.along(side))
+      mine[side].push_back(fine.coarse[i] == PieceLevel::none ? PieceLevel::none : place[fine.coarse[i]]);
+  }
+  const auto theirs = fine.halo.swap(mine);
+  for (std::size_t side = 0; side < PieceHalo::sides; ++side)
+    for (std::size_t k = 0; k < theirs[side].size(); ++k)
+      if (theirs[side][k] != PieceLevel::none)
+        fine.coarse[fine.halo.start(side, 0) + k] = next.halo.start(side, 0) + theirs[side][k];
+}
+
+// The ranks' values in their order, on every rank. Four bytes each.
+template <class T>
+std::vector<T> gatherAll(const Communicator& comm, std::span<const T> mine)
+{
+  static_assert(sizeof(T) == 4);
+  const int count = static_cast<int>(mine.size());
+  std::vector<int> counts(static_cast<std::size_t>(comm.size()));
+  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm.handle());
+  std::vector<int> starts(counts.size() + 1, 0);
+  std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
+  std::vector<T> all(static_cast<std::size_t>(starts.back()));
+  MPI_Allgatherv(
+    mine.data(), count, MPI_UINT32_T, all.data(), counts.data(), starts.data(), MPI_UINT32_T, comm.handle());
+  return all;
+}
+
 std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i)
 {
   while (parent[i] != i)
@@ -103,7 +141,7 @@ std::size_t PieceLevel::bytes() const noexcept
 {
   const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   return of(start) + of(row) + of(other) + of(link) + of(wall) + of(inverse) + of(coarse) + of(x) + of(b) +
-    of(work[0]) + of(work[1]) + of(work[2]);
+    of(work[0]) + of(work[1]) + of(work[2]) + halo.bytes();
 }
 
 template <class F>
@@ -128,22 +166,38 @@ void PieceMultigrid::forBlocks(const std::array<std::int64_t, 3>& blocks, F&& f)
 }
 
 PieceMultigrid::PieceMultigrid(const LeanField& field, int threads)
-  : periodic_(field.periodic())
+  : lattice_(&field.level())
+  , periodic_(field.periodic())
   , axis_(field.axis())
   , threads_(std::max(1, threads))
 {
+  for (const int a : { 0, 1, 2 })
+    wraps_[static_cast<std::size_t>(a)] =
+      periodic_[static_cast<std::size_t>(a)] && lattice_->parts->parts()[static_cast<std::size_t>(a)] == 1;
   label(field);
   linkFirst(field);
   double strong = everyLink_ ? 0 : strongPart;
-  while (levels_.back().count() > coarsestCount && coarsen(strong *= 0.5))
-  {
-  }
+  int halvings = lattice_->parts->levels() - 1;
+  for (std::int64_t count = total(levels_.back()); count > coarsestCount; count = total(levels_.back()))
+    if (levels_.back().shared && (halvings-- <= 0 || count < sharedCount))
+      gather();
+    else if (!coarsen(strong *= 0.5))
+      break;
+  if (levels_.back().shared)
+    gather();
   factorize();
+}
+
+std::int64_t PieceMultigrid::total(const PieceLevel& level) const
+{
+  const auto count = static_cast<std::int64_t>(level.count());
+  return level.shared ? lattice_->comm->sum(count) : count;
 }
 
 std::size_t PieceMultigrid::bytes() const noexcept
 {
-  std::size_t total = labels_.capacity() * sizeof(labels_[0]);
+  std::size_t total =
+    labels_.capacity() * sizeof(labels_[0]) + (places_.capacity() + own_.capacity()) * sizeof(places_[0]);
   for (const PieceLevel& level : levels_)
     total += level.bytes();
   return total;
@@ -154,8 +208,12 @@ void PieceMultigrid::label(const LeanField& field)
 {
   const std::array<std::int64_t, 3> size = field.size();
   PieceLevel& first = levels_.emplace_back();
+  first.shared = lattice_->comm->parallel();
   for (std::size_t a = 0; a < 3; ++a)
+  {
     first.blocks[a] = (size[a] + 1) / 2;
+    first.begin[a] = lattice_->start[a] / 2;
+  }
   labels_.assign(blockCount(first.blocks), 0);
   first.start.assign(labels_.size() + 1, 0);
   // which phases are joined
@@ -170,7 +228,7 @@ void PieceMultigrid::label(const LeanField& field)
       joined[static_cast<std::size_t>(a) * 256 + b] = strong ? 1 : 0;
       everyLink_ = everyLink_ && (strong || !(link > 0));
     }
-  const std::array<bool, 3> alongJoined = strongAxes(field.links(), size);
+  const std::array<bool, 3> alongJoined = strongAxes(field.links(), lattice_->size);
   everyLink_ = everyLink_ && alongJoined == std::array<bool, 3>{ true, true, true };
   forBlockRows(first.blocks,
     [&](std::int64_t by, std::int64_t bz)
@@ -225,6 +283,7 @@ void PieceMultigrid::label(const LeanField& field)
       }
     });
   startsFromCounts(first.start);
+  first.halo = PieceHalo(*lattice_->comm, *lattice_->parts, periodic_, first.blocks, first.start);
 }
 
 // The links of a level whose pieces are known. gather(bx, by, bz, f) calls f(here, there, link, axis) for every link of
@@ -232,11 +291,12 @@ void PieceMultigrid::label(const LeanField& field)
 template <class Gather>
 void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
 {
-  const std::size_t n = level.start.back();
-  for (auto* v : { &level.x, &level.b, &level.inverse, &level.wall })
+  const std::size_t n = level.count();
+  for (auto* v : { &level.b, &level.inverse, &level.wall })
     v->assign(n, 0.0F);
+  level.x.assign(level.withGhosts(), 0.0F);
   for (auto& v : level.work)
-    v.assign(n, 0.0F); // first: the links inside each piece along x, y, z
+    v.assign(level.withGhosts(), 0.0F); // first: the links inside each piece along x, y, z
   level.row.assign(n + 1, 0);
   forBlocks(level.blocks,
     [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t)
@@ -250,6 +310,8 @@ void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
             level.work[axis][here] += 0.5F * link; // it comes from either end
         });
     });
+  for (auto& v : level.work)
+    level.halo.exchange(v);
   // how many links an unknown has, then which
   for (const bool fill : { false, true })
   {
@@ -311,12 +373,18 @@ void PieceMultigrid::linkFirst(const LeanField& field)
   PieceLevel& level = levels_.front();
   const std::array<std::int64_t, 3> size = field.size();
   const std::array<std::int64_t, 3> blocks = level.blocks;
+  const auto beyond =
+    level.halo.parallel() ? level.halo.ofBlocks(labels_) : std::array<std::vector<std::uint32_t>, PieceHalo::sides>{};
+  const auto numbered = [](std::uint32_t labels, std::uint32_t start, const std::array<std::int64_t, 3>& p)
+  {
+    const auto node = static_cast<unsigned>((p[0] & 1) + 2 * (p[1] & 1) + 4 * (p[2] & 1));
+    const std::uint32_t piece = (labels >> (4 * node)) & apart;
+    return piece == apart ? PieceLevel::none : start + piece;
+  };
   const auto unknown = [&](const std::array<std::int64_t, 3>& p)
   {
-    const auto block = static_cast<std::size_t>(p[0] / 2 + blocks[0] * (p[1] / 2 + blocks[1] * (p[2] / 2)));
-    const auto node = static_cast<unsigned>((p[0] & 1) + 2 * (p[1] & 1) + 4 * (p[2] & 1));
-    const std::uint32_t piece = (labels_[block] >> (4 * node)) & apart;
-    return piece == apart ? PieceLevel::none : level.start[block] + piece;
+    const std::size_t block = blockIndex(blocks, { p[0] / 2, p[1] / 2, p[2] / 2 });
+    return numbered(labels_[block], level.start[block], p);
   };
   link(level,
     [&](std::int64_t bx, std::int64_t by, std::int64_t bz, auto&& f)
@@ -335,15 +403,25 @@ void PieceMultigrid::linkFirst(const LeanField& field)
           {
             std::array<std::int64_t, 3> q = p;
             q[a] += step;
-            if (q[a] < 0 || q[a] >= size[a])
+            const bool leaves = q[a] < 0 || q[a] >= size[a];
+            std::uint32_t there = PieceLevel::none;
+            if (leaves && a > 0 && level.halo.has(PieceHalo::sideOf(a, step)))
+            {
+              const std::size_t side = PieceHalo::sideOf(a, step);
+              const std::size_t place = level.halo.place(side, { p[0] / 2, p[1] / 2, p[2] / 2 });
+              there = numbered(beyond[side][place], level.halo.start(side, place), q);
+            }
+            else if (leaves)
             {
               if (field.links().boundary(static_cast<int>(a)) == Boundary::Fixed)
                 f(here, PieceLevel::none, static_cast<float>(field.links().wall(id, static_cast<int>(a))), a);
               if (!periodic_[a])
                 continue;
               q[a] = (q[a] + size[a]) % size[a];
+              there = unknown(q);
             }
-            const std::uint32_t there = unknown(q);
+            else
+              there = unknown(q);
             if (there != PieceLevel::none)
               f(here, there,
                 static_cast<float>(
@@ -360,12 +438,17 @@ bool PieceMultigrid::coarsen(double strong)
   PieceLevel next;
   PieceLevel& fine = levels_.back();
   const std::array<std::int64_t, 3> size = fine.blocks;
+  next.shared = fine.shared;
   for (std::size_t a = 0; a < 3; ++a)
+  {
     next.blocks[a] = (size[a] + 1) / 2;
-  if (next.blocks == size)
+    next.begin[a] = fine.begin[a] / 2;
+  }
+  const bool halves = next.blocks != size;
+  if (fine.shared ? !lattice_->comm->any(halves) : !halves)
     return false;
   const std::size_t n = fine.count();
-  fine.coarse.assign(n, PieceLevel::none);
+  fine.coarse.assign(fine.withGhosts(), PieceLevel::none);
   next.start.assign(blockCount(next.blocks) + 1, 0);
 
   std::vector<float>& strongest = fine.work[0]; // link of each unknown
@@ -431,7 +514,7 @@ bool PieceMultigrid::coarsen(double strong)
       next.start[block] = pieces;
     });
   startsFromCounts(next.start);
-  if (static_cast<double>(next.start.back()) > worthwhile * static_cast<double>(n))
+  if (static_cast<double>(total(next)) > worthwhile * static_cast<double>(total(fine)))
   {
     fine.coarse = {};
     return false;
@@ -447,6 +530,11 @@ bool PieceMultigrid::coarsen(double strong)
         });
     });
   place = {};
+  if (next.shared)
+  {
+    next.halo = PieceHalo(*lattice_->comm, *lattice_->parts, periodic_, next.blocks, next.start);
+    coarseOfGhosts(fine, next);
+  }
   // the axis along which the block of unknown j follows or precedes this one; 3: it is the same
   const auto axisTo = [&](const std::array<std::int64_t, 3>& block, std::uint32_t j)
   {
@@ -455,6 +543,8 @@ bool PieceMultigrid::coarsen(double strong)
       const std::size_t at = blockIndex(size, p);
       return j >= fine.start[at] && j < fine.start[at + 1];
     };
+    if (j >= n)
+      return PieceHalo::axisOf(fine.halo.sideWith(j));
     if (holds(block))
       return std::size_t{ 3 };
     for (const std::size_t a : { std::size_t{ 0 }, std::size_t{ 1 } })
@@ -462,7 +552,7 @@ bool PieceMultigrid::coarsen(double strong)
       {
         std::array<std::int64_t, 3> p = block;
         p[a] += step;
-        if (periodic_[a])
+        if (wraps(fine)[a])
           p[a] = (p[a] + size[a]) % size[a];
         if (p[a] >= 0 && p[a] < size[a] && holds(p))
           return a;
@@ -489,10 +579,102 @@ bool PieceMultigrid::coarsen(double strong)
   return true;
 }
 
+// The same unknowns, whole on every rank, in the order of the whole level's blocks.
+void PieceMultigrid::gather()
+{
+  PieceLevel& part = levels_.back();
+  const Communicator& comm = *lattice_->comm;
+  const std::int64_t unit = std::int64_t{ 2 } << (levels_.size() - 1); // nodes a block, along each axis
+  PieceLevel whole;
+  for (std::size_t a = 0; a < 3; ++a)
+    whole.blocks[a] = (lattice_->size[a] + unit - 1) / unit;
+  std::vector<std::uint32_t> counts(blockCount(part.blocks));
+  for (std::size_t i = 0; i < counts.size(); ++i)
+    counts[i] = part.start[i + 1] - part.start[i];
+  const auto allCounts = gatherAll<std::uint32_t>(comm, counts);
+  // f(place of a block in the whole, its number of unknowns), rank by rank
+  const auto forAll = [&](auto&& f)
+  {
+    std::size_t i = 0;
+    for (int r = 0; r < comm.size(); ++r)
+    {
+      const Block block = lattice_->parts->block(r);
+      std::array<std::int64_t, 3> first{};
+      std::array<std::int64_t, 3> end{};
+      for (std::size_t a = 0; a < 3; ++a)
+      {
+        first[a] = block.start[a] / unit;
+        end[a] = (block.start[a] + block.size[a] + unit - 1) / unit;
+      }
+      for (std::int64_t z = first[2]; z < end[2]; ++z)
+        for (std::int64_t y = first[1]; y < end[1]; ++y)
+          for (std::int64_t x = first[0]; x < end[0]; ++x)
+            f(blockIndex(whole.blocks, { x, y, z }), allCounts[i++]);
+    }
+  };
+  whole.start.assign(blockCount(whole.blocks) + 1, 0);
+  forAll([&](std::size_t block, std::uint32_t count) { whole.start[block] = count; });
+  startsFromCounts(whole.start);
+  places_.reserve(whole.count());
+  forAll(
+    [&](std::size_t block, std::uint32_t count)
+    {
+      for (std::uint32_t k = 0; k < count; ++k)
+        places_.push_back(whole.start[block] + k);
+    });
+  const auto before = static_cast<std::size_t>(comm.sumBefore(static_cast<std::int64_t>(part.count())));
+  own_.assign(part.withGhosts(), 0);
+  std::copy_n(places_.begin() + static_cast<std::ptrdiff_t>(before), part.count(), own_.begin());
+  part.halo.exchange(own_);
+
+  const auto placed = [&](const std::vector<float>& values)
+  {
+    const auto all = gatherAll<float>(comm, std::span(values).first(part.count()));
+    std::vector<float> out(all.size());
+    for (std::size_t k = 0; k < all.size(); ++k)
+      out[places_[k]] = all[k];
+    return out;
+  };
+  whole.wall = placed(part.wall);
+  whole.inverse = placed(part.inverse);
+  std::vector<std::uint32_t> lengths(part.count());
+  for (std::size_t i = 0; i < lengths.size(); ++i)
+    lengths[i] = static_cast<std::uint32_t>(part.row[i + 1] - part.row[i]);
+  std::vector<std::uint32_t> others(part.other.size());
+  for (std::size_t e = 0; e < others.size(); ++e)
+    others[e] = own_[part.other[e]];
+  const auto allLengths = gatherAll<std::uint32_t>(comm, lengths);
+  const auto allOthers = gatherAll<std::uint32_t>(comm, others);
+  const auto allLinks = gatherAll<float>(comm, part.link);
+  whole.row.assign(whole.count() + 1, 0);
+  for (std::size_t k = 0; k < allLengths.size(); ++k)
+    whole.row[places_[k] + 1] = allLengths[k];
+  std::partial_sum(whole.row.begin(), whole.row.end(), whole.row.begin());
+  whole.other.resize(allOthers.size());
+  whole.link.resize(allLinks.size());
+  std::ptrdiff_t from = 0;
+  for (std::size_t k = 0; k < allLengths.size(); from += allLengths[k++])
+  {
+    const auto to = static_cast<std::ptrdiff_t>(whole.row[places_[k]]);
+    std::copy_n(allOthers.begin() + from, allLengths[k], whole.other.begin() + to);
+    std::copy_n(allLinks.begin() + from, allLengths[k], whole.link.begin() + to);
+  }
+  for (auto* v : { &whole.x, &whole.b, &whole.work[0], &whole.work[1], &whole.work[2] })
+    v->assign(whole.count(), 0.0F);
+
+  part.gathered = true;
+  for (auto* v : { &part.link, &part.wall, &part.inverse })
+    *v = {};
+  part.row = {};
+  part.other = {};
+  part.work = {};
+  levels_.push_back(std::move(whole));
+}
+
 void PieceMultigrid::factorize()
 {
   const PieceLevel& level = levels_.back();
-  if (level.count() > coarsestCount)
+  if (static_cast<std::int64_t>(level.count()) > coarsestCount)
     return;
   // Where the constant is free, a little more than the sum of links chooses one; never where walls do.
   const bool walls = std::ranges::any_of(level.wall, [](float w) { return w > 0; });
@@ -515,12 +697,12 @@ void PieceMultigrid::factorize()
 }
 
 // Block by block, and by the parity of their places: blocks of one parity are never neighbours, but where an odd number
-// of them begins again.
+// of them begins again. (There other ranks' unknowns are those before.)
 void PieceMultigrid::relax(PieceLevel& level, bool forward) const
 {
   bool meet = false;
   for (std::size_t a = 0; a < 3; ++a)
-    meet = meet || (periodic_[a] && level.blocks[a] % 2 != 0);
+    meet = meet || (wraps(level)[a] && level.blocks[a] % 2 != 0);
   const int threads = meet || level.count() < threadedCount ? 1 : threads_;
   const auto& blocks = level.blocks;
   const auto update = [&](std::uint32_t i)
@@ -532,7 +714,7 @@ void PieceMultigrid::relax(PieceLevel& level, bool forward) const
   };
   for (const int pass : { 0, 1 })
   {
-    const int colour = forward ? pass : 1 - pass;
+    const std::int64_t colour = (forward ? pass : 1 - pass) + level.begin[0] + level.begin[1] + level.begin[2];
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
     for (std::int64_t r = 0; r < blocks[1] * blocks[2]; ++r)
       for (std::int64_t x = (r % blocks[1] + r / blocks[1] + colour) & 1; x < blocks[0]; x += 2)
@@ -545,27 +727,38 @@ void PieceMultigrid::relax(PieceLevel& level, bool forward) const
           for (std::uint32_t i = level.start[block + 1]; i-- > level.start[block];)
             update(i);
       }
+    level.halo.exchange(level.x);
   }
 }
 
-template <class F>
-double PieceMultigrid::sum(const PieceLevel& level, F&& f) const
+std::array<double, 2> PieceMultigrid::products(
+  const PieceLevel& level, const Vectors& first, const Vectors& second) const
 {
   // parts do not depend on how many threads there are
   constexpr std::size_t part = 4096;
   const auto parts = static_cast<std::int64_t>((level.count() + part - 1) / part);
-  std::vector<double> sums(static_cast<std::size_t>(parts));
+  std::vector<std::array<double, 2>> sums(static_cast<std::size_t>(parts));
   const int threads = level.count() < threadedCount ? 1 : threads_;
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
   for (std::int64_t p = 0; p < parts; ++p)
   {
-    double s = 0;
+    std::array<double, 2> s{ 0, 0 };
     const std::size_t begin = static_cast<std::size_t>(p) * part;
-    for (std::size_t i = begin; i < std::min(level.count(), begin + part); ++i)
-      s += f(i);
+    for (const std::size_t k : { std::size_t{ 0 }, std::size_t{ 1 } })
+    {
+      const Vectors& v = k == 0 ? first : second;
+      for (std::size_t i = begin; i < std::min(level.count(), begin + part); ++i)
+        s[k] += static_cast<double>((*v[0])[i]) * static_cast<double>((*v[1])[i]);
+    }
     sums[static_cast<std::size_t>(p)] = s;
   }
-  return std::accumulate(sums.begin(), sums.end(), 0.0);
+  std::array<double, 2> all{ 0, 0 };
+  for (const auto& s : sums)
+    for (std::size_t k = 0; k < 2; ++k)
+      all[k] += s[k];
+  if (level.shared)
+    lattice_->comm->sum(all);
+  return all;
 }
 
 void PieceMultigrid::cycle(std::size_t index)
@@ -587,6 +780,16 @@ void PieceMultigrid::cycle(std::size_t index)
     return;
   }
   PieceLevel& next = levels_[index + 1];
+  if (level.gathered)
+  {
+    const auto all = gatherAll<float>(*lattice_->comm, level.b);
+    for (std::size_t k = 0; k < all.size(); ++k)
+      next.b[places_[k]] = all[k];
+    cycleTwice(index + 1);
+    for (std::size_t i = 0; i < own_.size(); ++i)
+      level.x[i] = next.x[own_[i]];
+    return;
+  }
   for (int s = 0; s < pieceSweeps; ++s)
     relax(level, true);
   std::fill(next.b.begin(), next.b.end(), 0.0F);
@@ -594,7 +797,7 @@ void PieceMultigrid::cycle(std::size_t index)
     if (level.coarse[i] != PieceLevel::none)
       next.b[level.coarse[i]] += level.b[i] - product(level, i);
   cycleTwice(index + 1);
-  for (std::size_t i = 0; i < level.count(); ++i)
+  for (std::size_t i = 0; i < level.withGhosts(); ++i)
     if (level.coarse[i] != PieceLevel::none)
       level.x[i] += next.x[level.coarse[i]];
   for (int s = 0; s < pieceSweeps; ++s)
@@ -617,47 +820,42 @@ void PieceMultigrid::cycleTwice(std::size_t index)
 {
   PieceLevel& level = levels_[index];
   cycle(index);
-  if (index + 1 == levels_.size())
+  if (index + 1 == levels_.size() || level.gathered)
     return;
   auto& [before, first, ofX] = level.work;
-  const auto dot = [&](const std::vector<float>& a, const std::vector<float>& c)
-  {
-    return sum(
-      level, [&](std::size_t i) { return static_cast<double>(a[i]) * static_cast<double>(c[i]); });
-  };
   const auto multiply = [&]
   {
     for (std::size_t i = 0; i < level.count(); ++i)
       ofX[i] = product(level, i);
   };
   multiply();
-  const double xq = dot(level.x, ofX);
-  const double xb = dot(level.x, level.b);
+  const auto [xq, xb] = products(level, { &level.x, &ofX }, { &level.x, &level.b });
   if (!(xq > 0))
     return;
   const double alpha = xb / xq;
   first = level.x;
-  before = level.b;
+  std::ranges::copy(level.b, before.begin());
   for (std::size_t i = 0; i < level.count(); ++i)
     level.b[i] -= static_cast<float>(alpha) * ofX[i];
-  if (dot(level.b, level.b) <= 0.0625 * dot(before, before)) // good enough at once
+  const auto [left, whole] = products(level, { &level.b, &level.b }, { &before, &before });
+  const auto restore = [&] { std::copy_n(before.begin(), level.count(), level.b.begin()); };
+  if (left <= 0.0625 * whole) // good enough at once
   {
-    for (std::size_t i = 0; i < level.count(); ++i)
-      level.x[i] *= static_cast<float>(alpha);
-    level.b = before;
+    for (float& x : level.x)
+      x *= static_cast<float>(alpha);
+    restore();
     return;
   }
   cycle(index);
-  const double zq = dot(level.x, ofX);
-  const double zb = dot(level.x, level.b);
+  const auto [zq, zb] = products(level, { &level.x, &ofX }, { &level.x, &level.b });
   multiply();
   const double beta = zq / xq;
-  const double energy = dot(level.x, ofX) - beta * zq;
+  const double energy = products(level, { &level.x, &ofX }, { &level.x, &ofX })[0] - beta * zq;
   const double gamma = energy > 0 ? zb / energy : 0;
   const auto ofFirst = static_cast<float>(alpha - gamma * beta);
-  for (std::size_t i = 0; i < level.count(); ++i)
+  for (std::size_t i = 0; i < level.x.size(); ++i)
     level.x[i] = ofFirst * first[i] + static_cast<float>(gamma) * level.x[i];
-  level.b = before;
+  restore();
 }
 
 void PieceMultigrid::correct(LeanField& field)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lbm/lean/LeanField.h"
+#include "lbm/lean/PieceHalo.h"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -12,12 +13,17 @@
 namespace lamella::lbm
 {
 
-/// One level of pieces: unknowns block by block, and the links between them.
+/// One level of pieces: unknowns block by block, and the links between them. Of this rank's part: `other`, `coarse`
+/// and `x` go on with the unknowns of its neighbours (PieceHalo); all of them are numbered within the rank.
 struct PieceLevel
 {
   static constexpr std::uint32_t none = ~std::uint32_t{ 0 };
 
   std::array<std::int64_t, 3> blocks{ 1, 1, 1 };
+  std::array<std::int64_t, 3> begin{ 0, 0, 0 }; ///< of this rank's blocks in the level's
+  bool shared = false;                          ///< the ranks have parts of it; else each has the whole
+  bool gathered = false;                        ///< the next level is the same, whole on every rank
+  PieceHalo halo;
   std::vector<std::uint32_t> start; ///< the first unknown of each block, and their number
   std::vector<std::size_t> row;     ///< an unknown's first link, and their number
   std::vector<std::uint32_t> other;
@@ -29,7 +35,8 @@ struct PieceLevel
   std::vector<float> b;              ///< right-hand side
   std::array<std::vector<float>, 3> work;
 
-  [[nodiscard]] std::size_t count() const noexcept { return inverse.size(); }
+  [[nodiscard]] std::size_t count() const noexcept { return start.empty() ? 0 : start.back(); }
+  [[nodiscard]] std::size_t withGhosts() const noexcept { return count() + halo.count(); }
   [[nodiscard]] std::size_t bytes() const noexcept;
 };
 
@@ -40,12 +47,15 @@ struct PieceLevel
 /// the rule of blocks (Multigrid). Each level is entered twice, with two steps of conjugate gradients (K-cycle: Notay &
 /// Vassilevski, Numer. Linear Algebra Appl. 15 (2008) 473).
 ///
-/// One rank. Every number of threads gives the same.
+/// Distributed as the lattice is, as long as every part begins at an even block and that is worth its messages; then
+/// gathered: every rank does the rest for itself. Every number of ranks has the same pieces, up to periodic sides with
+/// an odd number of blocks. Every number of threads gives the same.
 ///
 /// Memory: 80 to 100 bytes a piece, 1 byte a node of the finest level.
 class PieceMultigrid
 {
 public:
+  /// Collective. @param field outlives this
   PieceMultigrid(const LeanField& field, int threads);
 
   /// One cycle for the field's residual, added to the field. After forward sweeps.
@@ -58,14 +68,23 @@ private:
   void link(PieceLevel& level, const Gather& gather) const;
   void linkFirst(const LeanField& field);
   [[nodiscard]] bool coarsen(double strong);
+  void gather();
   void factorize();
   void cycle(std::size_t index);
   void cycleTwice(std::size_t index);
   void relax(PieceLevel& level, bool forward) const;
   [[nodiscard]] static float product(const PieceLevel& level, std::size_t i);
-  /// Sum of f(unknown), in an order that no number of threads changes.
-  template <class F>
-  [[nodiscard]] double sum(const PieceLevel& level, F&& f) const;
+  /// Sums of the products of two and two vectors, in an order that no number of threads changes.
+  using Vectors = std::array<const std::vector<float>*, 2>;
+  [[nodiscard]] std::array<double, 2> products(
+    const PieceLevel& level, const Vectors& first, const Vectors& second) const;
+  /// All ranks' unknowns of a level.
+  [[nodiscard]] std::int64_t total(const PieceLevel& level) const;
+  /// Along which axes this rank's part of a level meets itself.
+  [[nodiscard]] const std::array<bool, 3>& wraps(const PieceLevel& level) const noexcept
+  {
+    return level.shared ? wraps_ : periodic_;
+  }
   /// Block rows in parallel.
   template <class F>
   void forBlockRows(const std::array<std::int64_t, 3>& blocks, F&& f) const;
@@ -73,12 +92,16 @@ private:
   template <class F>
   void forBlocks(const std::array<std::int64_t, 3>& blocks, F&& f) const;
 
+  const Level* lattice_; ///< how it is shared out
   std::array<bool, 3> periodic_;
+  std::array<bool, 3> wraps_{ false, false, false };
   int axis_;
   int threads_;
   bool everyLink_ = false;            ///< only phases that do not conduct keep pieces apart
   std::vector<std::uint32_t> labels_; ///< of each block's eight nodes, four bits each; 15: it does not conduct
   std::vector<PieceLevel> levels_;
+  std::vector<std::uint32_t> places_; ///< in the gathered level, of the ranks' unknowns in their order
+  std::vector<std::uint32_t> own_;    ///< the same of this rank's and its ghosts
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> direct_;
   bool factorized_ = false;
 };
