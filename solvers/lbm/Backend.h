@@ -64,8 +64,9 @@ public:
   virtual ~Backend() = default;
   /// Iterates until the tolerances are met. Fills all of the result but the seconds.
   virtual SteadyResult solve() = 0;
-  virtual void value(std::span<double> out) const = 0;
-  virtual void flux(std::span<double> out) const = 0;
+  /// Of layers of this rank's block. The first one after a solve is collective.
+  virtual void value(std::span<double> out, Layers layers) const = 0;
+  virtual void flux(std::span<double> out, Layers layers) const = 0;
   /// Whether planes of the field may be asked for one by one, which takes no memory for the others.
   [[nodiscard]] virtual bool hasPlanes() const { return false; }
   /// Values of the plane z = −1 … nz of this rank's block, with a ghost around: (nx + 2)(ny + 2) of them; as BoxField

@@ -298,30 +298,37 @@ FieldSums BoxField::evaluate(const RowSink& sink, PlaneSums* planes)
   return { all[0], all[1], all[2], { all[3], all[4], all[5] }, all[6] };
 }
 
-void BoxField::value(std::span<double> out) const
+double BoxField::mean() const
+{
+  if (problem_.options.sides != Sides::Periodic)
+    return 0;
+  double sum = 0;
+  for (std::int64_t z = 0; z < block_.size[2]; ++z)
+    for (std::int64_t y = 0; y < block_.size[1]; ++y)
+    {
+      const double* u = u_.data() + halo_.row(y, z) * stride_ + 1;
+      for (std::int64_t x = 0; x < block_.size[0]; ++x)
+        sum += u[x];
+    }
+  return problem_.comm.sum(sum) / static_cast<double>(problem_.lattice.count());
+}
+
+void BoxField::value(std::span<double> out, Layers layers, double mean) const
 {
   const bool periodic = problem_.options.sides == Sides::Periodic;
   const int axis = problem_.axis;
   const double n = static_cast<double>(problem_.lattice.size[axis]);
-  double mean = 0;
-  const auto forEach = [&](auto&& f)
-  {
-    std::size_t i = 0;
-    for (std::int64_t z = 0; z < block_.size[2]; ++z)
-      for (std::int64_t y = 0; y < block_.size[1]; ++y)
+  std::size_t i = 0;
+  for (std::int64_t z = layers.first; z < layers.last; ++z)
+    for (std::int64_t y = 0; y < block_.size[1]; ++y)
+    {
+      const double* u = u_.data() + halo_.row(y, z) * stride_ + 1;
+      for (std::int64_t x = 0; x < block_.size[0]; ++x, ++i)
       {
-        const double* u = u_.data() + halo_.row(y, z) * stride_ + 1;
-        for (std::int64_t x = 0; x < block_.size[0]; ++x)
-          f(i++, u[x], axis == 0 ? x : axis == 1 ? y + block_.start[1] : z + block_.start[2]);
+        const std::int64_t p = axis == 0 ? x : axis == 1 ? y + block_.start[1] : z + block_.start[2];
+        out[i] = periodic ? u[x] - mean + 1.0 - (static_cast<double>(p) + 0.5) / n : u[x];
       }
-  };
-  if (periodic)
-  {
-    forEach([&](std::size_t, double u, std::int64_t) { mean += u; });
-    mean = problem_.comm.sum(mean) / static_cast<double>(problem_.lattice.count());
-  }
-  forEach([&](std::size_t i, double u, std::int64_t p)
-    { out[i] = periodic ? u - mean + 1.0 - (static_cast<double>(p) + 0.5) / n : u; });
+    }
 }
 
 void BoxField::setValue(std::span<const double> value)
@@ -447,22 +454,22 @@ FieldEnergies energiesOf(const Problem& problem, const Backend& backend)
 {
   BoxField field(problem);
   std::vector<double> value(problem.phase.size());
-  backend.value(value);
+  backend.value(value, { 0, problem.parts.block().size[2] });
   field.setValue(value);
   value = {};
   field.fillGhosts();
   return { field.linkEnergies(), {}, {} };
 }
 
-void BoxField::flux(std::span<double> out) const
+void BoxField::flux(std::span<double> out, Layers layers) const
 {
   std::fill(out.begin(), out.end(), 0.0);
   const int axis = problem_.axis;
   const std::array<double, 3> unit = fluxUnits(links_, problem_.lattice);
-  for (std::int64_t z = 0; z < block_.size[2]; ++z)
+  for (std::int64_t z = layers.first; z < layers.last; ++z)
     for (std::int64_t y = 0; y < block_.size[1]; ++y)
     {
-      double* row = out.data() + 3 * block_.size[0] * (y + block_.size[1] * z);
+      double* row = out.data() + 3 * block_.size[0] * (y + block_.size[1] * (z - layers.first));
       for (const Direction& d : links_.all())
         rowLinks(y, z, d,
           [&](std::int64_t x, double g, double du)

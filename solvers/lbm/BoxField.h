@@ -35,9 +35,12 @@ public:
   /// Makes the flux through all planes the same; see PlaneBalance.
   void apply(const PlaneBalance& balance);
 
-  void value(std::span<double> out) const;
+  /// Of a periodic cell, all ranks; 0 of others. Collective.
+  [[nodiscard]] double mean() const;
+  /// @param mean what mean() told
+  void value(std::span<double> out, Layers layers, double mean) const;
   /// Needs an evaluate() after the last change of the field (its ghosts).
-  void flux(std::span<double> out) const;
+  void flux(std::span<double> out, Layers layers) const;
 
   /// FieldEnergies::links. Needs its ghosts, as flux() does; nodes that are NaN have no links.
   [[nodiscard]] std::vector<double> linkEnergies() const;

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <optional>
 
 namespace lamella::lbm
 {
@@ -203,18 +204,19 @@ public:
     return result;
   }
 
-  void value(std::span<double> out) const override
+  void value(std::span<double> out, Layers layers) const override
   {
     const bool periodic = problem_.options.sides == Sides::Periodic;
     const double n = static_cast<double>(problem_.lattice.size[problem_.axis]);
-    double mean = 0;
-    if (periodic)
+    if (periodic && !mean_)
     {
-      forEachOwned([&](const Position&, std::int64_t, std::uint32_t id, std::int64_t) { mean += u_[id]; });
-      mean = problem_.comm.sum(mean) / static_cast<double>(problem_.comm.sum(owned_));
+      double sum = 0;
+      forEachOwned([&](const Position&, std::int64_t, std::uint32_t id, std::int64_t) { sum += u_[id]; });
+      mean_ = problem_.comm.sum(sum) / static_cast<double>(problem_.comm.sum(owned_));
     }
+    const double mean = mean_.value_or(0);
     std::size_t i = 0;
-    for (std::int64_t z = 0; z < block_.size[2]; ++z)
+    for (std::int64_t z = layers.first; z < layers.last; ++z)
       for (std::int64_t y = 0; y < block_.size[1]; ++y)
         for (std::int64_t x = 0; x < block_.size[0]; ++x, ++i)
         {
@@ -234,7 +236,7 @@ public:
 
   [[nodiscard]] FieldEnergies energies() const override { return energiesOf(problem_, *this); }
 
-  void flux(std::span<double> out) const override
+  void flux(std::span<double> out, Layers layers) const override
   {
     std::fill(out.begin(), out.end(), 0.0);
     const std::array<double, 3> unit = fluxUnits(links_, problem_.lattice);
@@ -249,10 +251,11 @@ public:
               q[a] += 0.5 * conductance * difference * d[a];
           });
         const std::size_t i = static_cast<std::size_t>(
-          p[0] + block_.size[0] * (p[1] - block_.start[1] + block_.size[1] * (p[2] - block_.start[2])));
+          p[0] + block_.size[0] * (p[1] - block_.start[1] + block_.size[1] * (p[2] - block_.start[2] - layers.first)));
         for (std::size_t a = 0; a < 3; ++a)
           out[3 * i + a] = q[a] * unit[a];
-      });
+      },
+      layers);
   }
 
 private:
@@ -262,8 +265,14 @@ private:
   template <class F>
   void forEachOwned(F&& f) const
   {
+    forEachOwned(f, { 0, block_.size[2] });
+  }
+  // The same of some layers, counted from the first of them.
+  template <class F>
+  void forEachOwned(F&& f, Layers layers) const
+  {
     std::int64_t owned = 0;
-    for (std::int64_t z = 0; z < block_.size[2]; ++z)
+    for (std::int64_t z = layers.first; z < layers.last; ++z)
       for (std::int64_t y = 0; y < block_.size[1]; ++y)
       {
         const std::int64_t row = halo_.row(y, z);
@@ -483,6 +492,7 @@ private:
   std::vector<std::int64_t> globalBegin_; // a padded row: global number of its first member
   std::vector<std::uint8_t> phase_;
   std::vector<double> u_;
+  mutable std::optional<double> mean_; ///< of the field, once it was asked for
   std::unique_ptr<AlgebraicMultigridSolver> solver_;
 };
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #ifdef __SSE2__
 #include <xmmintrin.h>
@@ -128,8 +129,13 @@ public:
     return result;
   }
 
-  void value(std::span<double> out) const override { field_.value(out); }
-  void flux(std::span<double> out) const override { field_.flux(out); }
+  void value(std::span<double> out, Layers layers) const override
+  {
+    if (!mean_)
+      mean_ = field_.mean();
+    field_.value(out, layers, *mean_);
+  }
+  void flux(std::span<double> out, Layers layers) const override { field_.flux(out, layers); }
   [[nodiscard]] FieldEnergies energies() const override { return { field_.linkEnergies(), {}, {} }; }
 
 private:
@@ -341,6 +347,7 @@ private:
 
   Problem problem_;
   BoxField field_;
+  mutable std::optional<double> mean_; ///< of the field, once it was asked for
   Multigrid multigrid_;
   double residualNorm_ = 1; // of the first residual: r, p and z are in units of it
   FloatArray r_;            // residual

@@ -167,6 +167,14 @@ struct SteadyDiffusion::Impl
     return Problem{ lattice, parts, comm, options, phase, diffusivity, axis, options.links.get() };
   }
 
+  /// Of layers of this rank's block; none where they are not in it.
+  [[nodiscard]] std::size_t nodes(Layers layers) const
+  {
+    const auto& size = parts.block().size;
+    const bool inside = layers.first >= 0 && layers.first <= layers.last && layers.last <= size[2];
+    return inside ? static_cast<std::size_t>(size[0] * size[1] * (layers.last - layers.first)) : 0;
+  }
+
   /// The ways to try, the leanest first; what is too much for one is left to the next.
   [[nodiscard]] std::vector<Method> ways(int axis) const
   {
@@ -470,19 +478,29 @@ SteadyResult SteadyDiffusion::solve(int axis)
 
 void SteadyDiffusion::value(std::span<double> out) const
 {
-  if (!impl_->backend || out.size() != impl_->phase.size())
-    throw ParameterError("there is no field to return, or its size is not that of the block",
-      "solve first, and hand over one number a node of this rank's block");
-  impl_->backend->value(out);
+  value(out, { 0, impl_->parts.block().size[2] });
 }
 
 void SteadyDiffusion::flux(std::span<double> out) const
 {
-  if (!impl_->backend || out.size() != 3 * impl_->phase.size())
+  flux(out, { 0, impl_->parts.block().size[2] });
+}
+
+void SteadyDiffusion::value(std::span<double> out, Layers layers) const
+{
+  if (!impl_->backend || out.size() != impl_->nodes(layers))
+    throw ParameterError("there is no field to return, or its size is not that of the block",
+      "solve first, and hand over one number a node of this rank's block, or of layers of it");
+  impl_->backend->value(out, layers);
+}
+
+void SteadyDiffusion::flux(std::span<double> out, Layers layers) const
+{
+  if (!impl_->backend || out.size() != 3 * impl_->nodes(layers))
     throw ParameterError("there is no flux to return, or its size is not three times that of the block",
-      "solve first, and hand over three numbers a node of this rank's block");
+      "solve first, and hand over three numbers a node of this rank's block, or of layers of it");
   countPass(Pass::Flux);
-  impl_->backend->flux(out);
+  impl_->backend->flux(out, layers);
 }
 
 namespace

@@ -99,6 +99,13 @@ struct SurfaceDerivatives
 using lamella::Block;
 using lamella::decompose;
 
+/// Layers along z of a rank's block: from the first one on, the last not included.
+struct Layers
+{
+  std::int64_t first = 0;
+  std::int64_t last = 0;
+};
+
 /// Answer for one direction.
 struct SteadyResult
 {
@@ -162,6 +169,11 @@ public:
   /// Flux of the last solve on this rank's block: three components a node (interleaved), −D grad u with u per metre of
   /// lattice spacing; the mean over the box times the box length is the effective column. 0 where nothing conducts.
   void flux(std::span<double> out) const;
+
+  /// The same of some layers alone, so that a field that is large can be handed on without being held. Collective:
+  /// every rank takes part in the first one, with layers or none.
+  void value(std::span<double> out, Layers layers) const;
+  void flux(std::span<double> out, Layers layers) const;
 
   /// Of the last solve, from the energy of its field alone: that is a minimum over fields, so to first order it changes
   /// with the conductivities as if the field stayed. K = Σ k ∂K/∂k. As exact as the field (fieldTolerance, or the root

@@ -261,7 +261,7 @@ SurfaceDerivatives surfaceDerivatives(const Problem& problem, const Backend& bac
     whole.emplace(straight);
     {
       std::vector<double> value(problem.phase.size());
-      backend.value(value);
+      backend.value(value, { 0, problem.parts.block().size[2] });
       whole->setValue(value);
     }
     whole->fillGhosts();

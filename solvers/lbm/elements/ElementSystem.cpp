@@ -235,35 +235,48 @@ public:
     return result;
   }
 
-  void value(std::span<double> out) const override
+  void value(std::span<double> out, Layers layers) const override
   {
     const ElementBox& box = op_.box();
     const auto axis = static_cast<std::size_t>(problem_.axis);
     const double length = static_cast<double>(box.elements[axis]);
-    double mean = 0;
-    std::int64_t counted = 0;
+    const auto at = [&](const std::array<std::int64_t, 3>& p)
+    {
+      double sum = 0;
+      for (int k = 0; k < 4; ++k)
+      {
+        const auto corner = static_cast<std::size_t>(box.row(p[1] + (k & 1), p[2] + (k >> 1)) + p[0]);
+        sum += v_[corner] + v_[corner + 1];
+      }
+      return sum / 8 / length;
+    };
+    if (!mean_)
+    {
+      double sum = 0;
+      std::int64_t counted = 0;
+      if (problem_.options.sides == Sides::Periodic)
+        forVoxels(
+          [&](std::size_t i, const std::array<std::int64_t, 3>& p)
+          {
+            if (!tensors_.conducts(i))
+              return;
+            sum += at(p);
+            ++counted;
+          });
+      mean_ = counted > 0 ? sum / static_cast<double>(counted) : 0.0;
+    }
+    const std::int64_t before = box.elements[0] * box.elements[1] * layers.first;
     forVoxels(
       [&](std::size_t i, const std::array<std::int64_t, 3>& p)
       {
-        double sum = 0;
-        for (int k = 0; k < 4; ++k)
-        {
-          const auto at = static_cast<std::size_t>(box.row(p[1] + (k & 1), p[2] + (k >> 1)) + p[0]);
-          sum += v_[at] + v_[at + 1];
-        }
-        out[i] = tensors_.conducts(i) ? sum / 8 / length : std::numeric_limits<double>::quiet_NaN();
-        if (tensors_.conducts(i))
-        {
-          mean += out[i];
-          ++counted;
-        }
-      });
-    mean = problem_.options.sides == Sides::Periodic && counted > 0 ? mean / static_cast<double>(counted) : 0.0;
-    forVoxels([&](std::size_t i, const std::array<std::int64_t, 3>& p)
-      { out[i] += 1 - mean - (static_cast<double>(p[axis]) + 0.5) / length; });
+        const auto voxel = static_cast<std::size_t>(before) + i;
+        out[i] = tensors_.conducts(voxel) ? at(p) + 1 - *mean_ - (static_cast<double>(p[axis]) + 0.5) / length
+                                          : std::numeric_limits<double>::quiet_NaN();
+      },
+      layers);
   }
 
-  void flux(std::span<double> out) const override
+  void flux(std::span<double> out, Layers layers) const override
   {
     const std::array<double, 3>& aspect = problem_.lattice.aspect;
     const double length = static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]);
@@ -272,7 +285,9 @@ public:
     op_.forFluxes(v_, gradient_,
       [&](std::int64_t y, std::int64_t z, const double* const q[3], double)
       {
-        double* row = out.data() + 3 * nx * (y + op_.box().elements[1] * z);
+        if (z < layers.first || z >= layers.last)
+          return;
+        double* row = out.data() + 3 * nx * (y + op_.box().elements[1] * (z - layers.first));
         for (std::int64_t x = 0; x < nx; ++x)
           for (std::size_t a = 0; a < 3; ++a)
             row[3 * x + static_cast<std::int64_t>(a)] =
@@ -339,9 +354,15 @@ private:
   template <class F>
   void forVoxels(F&& f) const
   {
+    forVoxels(f, { 0, op_.box().elements[2] });
+  }
+  // f(place among those of the layers, position)
+  template <class F>
+  void forVoxels(F&& f, Layers layers) const
+  {
     const auto& e = op_.box().elements;
     std::size_t i = 0;
-    for (std::int64_t z = 0; z < e[2]; ++z)
+    for (std::int64_t z = layers.first; z < layers.last; ++z)
       for (std::int64_t y = 0; y < e[1]; ++y)
         for (std::int64_t x = 0; x < e[0]; ++x)
           f(i++, std::array<std::int64_t, 3>{ x, y, z });
@@ -489,7 +510,8 @@ private:
   VoxelTensors tensors_;
   ElementOperator op_;
   ElementMultigrid multigrid_;
-  std::vector<double> v_; ///< what is left of the field, in drops of the linear profile over a voxel
+  std::vector<double> v_;              ///< what is left of the field, in drops of the linear profile over a voxel
+  mutable std::optional<double> mean_; ///< of the field in a periodic cell, once it was asked for
   std::array<double, 3> gradient_{ 0, 0, 0 };
 };
 

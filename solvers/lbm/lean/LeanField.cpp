@@ -485,27 +485,32 @@ void LeanField::addRow(std::int64_t y, std::int64_t z, double unit, double* u) c
     u[x] += unit * static_cast<double>(v[g.node(x)]);
 }
 
-void LeanField::value(std::span<double> out) const
+double LeanField::mean() const
+{
+  if (links_.boundary(problem_.axis) != Boundary::Periodic)
+    return 0;
+  const Grid& g = level_.grid;
+  double sum = 0;
+  for (std::int64_t z = 0; z < g.nz; ++z)
+    for (std::int64_t y = 0; y < g.ny; ++y)
+      for (std::int64_t x = 0; x < g.nx; ++x)
+        sum += static_cast<double>(v_[static_cast<std::size_t>(g.row(y, z) + g.node(x))]);
+  return problem_.comm.sum(sum) / static_cast<double>(problem_.lattice.count());
+}
+
+void LeanField::value(std::span<double> out, Layers layers, double mean) const
 {
   const Grid& g = level_.grid;
   const int axis = problem_.axis;
   const double unit = 1.0 / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(axis)]);
-  double mean = 0;
-  const auto forEach = [&](auto&& f)
-  {
-    for (std::int64_t z = 0; z < g.nz; ++z)
-      for (std::int64_t y = 0; y < g.ny; ++y)
-        for (std::int64_t x = 0; x < g.nx; ++x)
-          f(static_cast<std::size_t>(x + g.nx * (y + g.ny * z)),
-            static_cast<double>(v_[static_cast<std::size_t>(g.row(y, z) + g.node(x))]), axis == 0 ? x : along(y, z));
-  };
-  if (links_.boundary(axis) == Boundary::Periodic)
-  {
-    forEach([&](std::size_t, double v, std::int64_t) { mean += v; });
-    mean = problem_.comm.sum(mean) / static_cast<double>(problem_.lattice.count());
-  }
-  forEach([&](std::size_t i, double v, std::int64_t p)
-    { out[i] = 1.0 + unit * (v - mean - (static_cast<double>(p) + 0.5)); });
+  std::size_t i = 0;
+  for (std::int64_t z = layers.first; z < layers.last; ++z)
+    for (std::int64_t y = 0; y < g.ny; ++y)
+      for (std::int64_t x = 0; x < g.nx; ++x, ++i)
+      {
+        const double v = static_cast<double>(v_[static_cast<std::size_t>(g.row(y, z) + g.node(x))]);
+        out[i] = 1.0 + unit * (v - mean - (static_cast<double>(axis == 0 ? x : along(y, z)) + 0.5));
+      }
 }
 
 void LeanField::plane(std::int64_t z, double* out) const
@@ -530,24 +535,53 @@ void LeanField::plane(std::int64_t z, double* out) const
   }
 }
 
-BoxField LeanField::inDouble() const
+// Half of what the links on either side of a node carry.
+void LeanField::flux(std::span<double> out, Layers layers) const
 {
-  BoxField field(problem_);
   const Grid& g = level_.grid;
-  const double unit = 1.0 / static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]);
-  for (std::int64_t z = 0; z < g.nz; ++z)
-    for (std::int64_t y = 0; y < g.ny; ++y)
-    {
-      field.setLinearProfile(y, z);
-      addRow(y, z, unit, field.rowValues(y, z));
-    }
-  field.fillGhosts();
-  return field;
-}
-
-void LeanField::flux(std::span<double> out) const
-{
-  inDouble().flux(out);
+  const int axis = problem_.axis;
+  const double n = static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(axis)]);
+  std::array<double, 3> unit = fluxUnits(links_, problem_.lattice);
+  for (double& u : unit)
+    u *= 0.5 / n;
+  const std::array<std::int64_t, 3> size{ g.nx, g.ny, g.nz };
+  const std::int64_t rows = g.ny * (layers.last - layers.first);
+  const int threads = this->threads();
+  std::fill(out.begin(), out.end(), 0.0);
+#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
+  for (std::int64_t r = 0; r < rows; ++r)
+  {
+    const std::int64_t y = r % g.ny;
+    const std::int64_t z = r / g.ny + layers.first;
+    const std::uint8_t* here = phases_(y, z);
+    const float* v = v_.data() + g.row(y, z);
+    double* to = out.data() + 3 * g.nx * r;
+    for (std::size_t a = 0; a < (problem_.lattice.dimension == 3 ? 3U : 2U); ++a)
+      for (const int step : { -1, 1 })
+      {
+        const int d = static_cast<int>(a);
+        const std::array<std::int64_t, 3> q{ 0, y + (a == 1 ? step : 0), z + (a == 2 ? step : 0) };
+        const double fall = d == axis ? step : 0.0;
+        const bool inner = a == 0 || (q[a] >= 0 && q[a] < size[a]) || level_.halo.inside(d, step);
+        const std::uint8_t* there = inner && a > 0 ? phases_(q[1], q[2]) : here;
+        const float* w = inner && a > 0 ? v_.data() + g.row(q[1], q[2]) : v;
+        const double factor = unit[a] * links_.factor(d) * step;
+        for (std::int64_t x = 0; x < g.nx; ++x)
+        {
+          std::int64_t other = a == 0 ? x + step : x;
+          const bool wraps = other < 0 || other >= g.nx;
+          const double own = static_cast<double>(v[g.node(x)]);
+          if (inner && (!wraps || links_.boundary(0) == Boundary::Periodic))
+          {
+            other = wraps ? (other + g.nx) % g.nx : other;
+            to[3 * x + d] +=
+              factor * links_.mean(here[x], there[other]) * (own - static_cast<double>(w[g.node(other)]) + fall);
+          }
+          else if (links_.boundary(d) == Boundary::Fixed) // half a drop away
+            to[3 * x + d] += unit[a] * step * links_.wall(here[x], d) * (own + 0.5 * fall);
+        }
+      }
+  }
 }
 
 std::vector<double> LeanField::linkEnergies() const

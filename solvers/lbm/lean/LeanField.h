@@ -1,7 +1,7 @@
 #pragma once
 
 #include "lbm/Backend.h"
-#include "lbm/BoxField.h"
+#include "lbm/Links.h"
 #include "lbm/PhaseRows.h"
 #include "lbm/PlaneBalance.h"
 #include "lbm/lean/PhaseKernels.h"
@@ -65,9 +65,10 @@ public:
   /// u[x] += unit × v of a row.
   void addRow(std::int64_t y, std::int64_t z, double unit, double* u) const;
 
-  void value(std::span<double> out) const;
+  [[nodiscard]] double mean() const; ///< BoxField::mean, of v
+  void value(std::span<double> out, Layers layers, double mean) const;
   void plane(std::int64_t z, double* out) const; ///< Backend::plane
-  void flux(std::span<double> out) const;
+  void flux(std::span<double> out, Layers layers) const;
   [[nodiscard]] std::vector<double> linkEnergies() const; ///< as BoxField's, from single precision
   [[nodiscard]] const Links& links() const noexcept { return links_; }
   [[nodiscard]] std::size_t bytes() const noexcept;
@@ -83,7 +84,6 @@ private:
   [[nodiscard]] RowSide side(std::int64_t y, std::int64_t z, int part, int axis, int step) const;
   [[nodiscard]] std::int64_t along(std::int64_t y, std::int64_t z) const noexcept;
   void countConductance();
-  [[nodiscard]] BoxField inDouble() const; ///< ghosts included
 
   Problem problem_;
   Block block_;

@@ -108,7 +108,8 @@ struct Masked
           ++carrying;
         else
           phase[i] = blocking;
-      });
+      },
+      { 0, problem.parts.block().size[2] });
   }
   [[nodiscard]] std::size_t bytes() const
   {
@@ -120,14 +121,14 @@ struct Masked
   {
     return { problem.lattice.dimension, problem.parts.block().size, problem.parts, problem.comm, problem.periodic() };
   }
-  // f(place in the block, row with ghosts, x)
+  // f(place in the layers, row with ghosts, x)
   template <class F>
-  static void forEachNode(const Problem& problem, F&& f)
+  static void forEachNode(const Problem& problem, F&& f, Layers layers)
   {
     const auto& size = problem.parts.block().size;
     const Halo halo = haloOf(problem);
     std::size_t i = 0;
-    for (std::int64_t z = 0; z < size[2]; ++z)
+    for (std::int64_t z = layers.first; z < layers.last; ++z)
       for (std::int64_t y = 0; y < size[1]; ++y)
         for (std::int64_t x = 0; x < size[0]; ++x)
           f(i++, halo.row(y, z), x);
@@ -237,14 +238,17 @@ public:
     return result;
   }
 
-  void value(std::span<double> out) const override
+  void value(std::span<double> out, Layers layers) const override
   {
-    exact_ ? exact_->value(out) : balancedField().value(out);
+    if (!mean_)
+      mean_ = exact_ ? exact_->mean() : balancedField().mean();
+    exact_ ? exact_->value(out, layers, *mean_) : field_.value(out, layers, *mean_);
     if (!masked_)
       return;
     const bool periodic = problem_.options.sides == Sides::Periodic;
     const Percolation& p = masked_->percolation;
-    Masked::forEachNode(problem_,
+    Masked::forEachNode(
+      problem_,
       [&](std::size_t i, std::int64_t row, std::int64_t x)
       {
         if (p.carrying.contains(row, x))
@@ -252,9 +256,13 @@ public:
         const bool low = !periodic && p.reachesLow.contains(row, x);
         const bool high = !periodic && p.reachesHigh.contains(row, x);
         out[i] = low ? 1.0 : high ? 0.0 : std::numeric_limits<double>::quiet_NaN();
-      });
+      },
+      layers);
   }
-  void flux(std::span<double> out) const override { exact_ ? exact_->flux(out) : balancedField().flux(out); }
+  void flux(std::span<double> out, Layers layers) const override
+  {
+    exact_ ? exact_->flux(out, layers) : balancedField().flux(out, layers);
+  }
   [[nodiscard]] bool hasPlanes() const override
   {
     if (exact_ || masked_)
@@ -419,6 +427,7 @@ private:
   std::unique_ptr<Masked> masked_; ///< where some phase does not conduct
   mutable LeanField field_;
   mutable std::optional<PlaneBalance> balance_; ///< not yet applied to the field
+  mutable std::optional<double> mean_;          ///< of the field, once it was asked for
   Correction correction_;
   std::unique_ptr<BoxField> exact_; ///< in double, where single precision was too little
 };
