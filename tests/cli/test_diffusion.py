@@ -144,6 +144,33 @@ class Answers(Case):
         self.assertGreater(arrays["temperature"]["range"][0][1], 0.9)
         self.assertEqual(info["size"], [20, 20])
 
+    def test_fields_of_volumes_are_written_by_slabs(self):
+        # Layers across the flux: the same flux everywhere, and values between 0 and 1; whatever the file and the ranks.
+        self.works("generate", "laminate", "--size", "64,60,72", "--pixel-size", "1m", "--axis", "z", "--cells", "2",
+                   "--solid-fraction", "0.5", "-o", "l.vti")
+        words = ["l.vti", "--conductivity", "matrix=1,inclusion=0.25", "--direction", "z"]
+        expected = 1 / (0.5 + 0.5 / 0.25) / 72
+        seen = []
+        for name, ranks in [("a.vti", 0), ("b.vti", 2), ("c.vtkhdf", 0)]:
+            answer = self.works("diffusion", *words, "-o", name, "--json", ranks=ranks).json()
+            self.assertIsNotNone(answer["estimated_error"])
+            if name.endswith("hdf"):
+                self.works("convert", name, "-o", "c.vti")
+                name = "c.vti"
+            info = self.info(name)
+            self.assertEqual(info["size"], [64, 60, 72])
+            arrays = {array["name"]: array for array in info["point_arrays"]}
+            self.assertEqual(set(arrays), {"phase", "temperature", "flux"})
+            for end in arrays["flux"]["range"][2]:
+                self.assertAlmostEqual(end, expected, delta=1e-6 * expected)
+            low, high = arrays["temperature"]["range"][0]
+            self.assertAlmostEqual(high, 1 - expected / 2, delta=1e-6)
+            self.assertAlmostEqual(low, expected / 2 / 0.25, delta=1e-6)
+            seen.append(info["field"])
+        self.assertEqual({key for key in seen[0]}, {key for key in seen[1]})
+        self.assertTrue({"effective_conductivity", "estimated_error", "provenance"} <= set(seen[0]) | {"provenance"})
+        self.fails(2, "written as .vti or .vtkhdf", "end the name in", "diffusion", *words, "-o", "f.png")
+
     def test_the_window_counts_from_the_top(self):
         rows = [[255] * 20 if y < 5 else [0] * 20 for y in range(20)]
         self.write("p.png", pictures.png(rows))

@@ -1,4 +1,5 @@
 // Steady diffusion as a VTK filter: exact laminates, the directions' convention, what the output carries, bad input.
+#include "FieldLayers.h"
 #include "VtkTesting.h"
 
 #include "vtkCellData.h"
@@ -14,8 +15,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace
@@ -95,6 +98,39 @@ TEST(SteadyDiffusion, VoxelsNeedNotBeCubes)
     mean[0] += flux->GetComponent(i, 0) / static_cast<double>(flux->GetNumberOfTuples());
   EXPECT_NEAR(mean[0], series / 36, 1e-5);
   EXPECT_EQ(output->GetSpacing()[2], 2);
+}
+
+TEST(SteadyDiffusion, FieldsByLayersAreThoseOfTheOutput)
+{
+  const auto solve = [](const std::function<void(const FieldLayers&)>& sink)
+  {
+    const auto filter = solver(picture(14, 10, 12, [](int x, int y, int z) { return (x * 7 + y * 5 + z * 3) % 4 / 2; }),
+      vtkSteadyDiffusion::ALL);
+    filter->SetEstimateError(false);
+    filter->SetFieldSink(sink);
+    EXPECT_EQ(errorOf(filter), "");
+    return filter;
+  };
+  const auto whole = solve({});
+  int solves = 0;
+  const auto layers = solve(
+    [&](const FieldLayers& fields)
+    {
+      EXPECT_EQ(fields.axis, solves++);
+      EXPECT_TRUE(fields.image->GetPointData()->HasArray("phase"));
+      for (const auto& [first, last] : { std::pair{ 0, 0 }, { 3, 9 }, { 11, 11 }, { 0, 11 } })
+        for (const auto& array : fields.read(first, last))
+        {
+          vtkDataArray* const all = whole->GetOutput()->GetPointData()->GetArray(array->GetName());
+          ASSERT_NE(all, nullptr) << array->GetName();
+          ASSERT_EQ(array->GetNumberOfTuples(), (last - first + 1) * 140);
+          for (vtkIdType i = 0; i < array->GetNumberOfTuples(); ++i)
+            for (int c = 0; c < array->GetNumberOfComponents(); ++c)
+              ASSERT_EQ(array->GetComponent(i, c), all->GetComponent(first * 140 + i, c));
+        }
+    });
+  EXPECT_EQ(solves, 3);
+  EXPECT_FALSE(layers->GetOutput()->GetPointData()->HasArray("temperature_x"));
 }
 
 /// A ball whose surface is a voxel wide.

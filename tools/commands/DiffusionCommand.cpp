@@ -2,6 +2,7 @@
 #include "commands/DiffusionReport.h"
 #include "commands/FilterRun.h"
 #include "commands/SampleRun.h"
+#include "convert/VtkFiles.h"
 #include "files/GridFile.h"
 #include "files/Record.h"
 #include "program/Commands.h"
@@ -9,6 +10,7 @@
 #include "session/OutputFile.h"
 #include "session/Text.h"
 
+#include "FieldLayers.h"
 #include "core/Clock.h"
 #include "lattice/GreyTable.h"
 #include "lattice/Phases.h"
@@ -22,6 +24,7 @@
 
 #include <algorithm>
 #include <array>
+#include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
@@ -43,14 +46,51 @@ struct DiffusionOptions
   std::string output;
 };
 
-void requireVti(const std::string& output)
+bool isHdf(const std::string& path)
 {
-  if (!output.empty() && !isVtkImage(output))
+  const std::string ending = std::filesystem::path(path).extension().string();
+  return ending == ".vtkhdf" || ending == ".hdf";
+}
+
+void requireImage(const std::string& output)
+{
+  if (!output.empty() && !isVtkImage(output) && !isHdf(output))
   {
-    throw ParameterError("-o '" + output + "': the fields are written as .vti",
-      "end the name in .vti; numbers go to standard output, as JSON with --json");
+    throw ParameterError("-o '" + output + "': the fields are written as .vti or .vtkhdf",
+      "end the name in .vti or .vtkhdf; numbers go to standard output, as JSON with --json");
   }
 }
+
+/// Phases, which are in memory, and the fields of a solve, of which a slab is.
+class FieldVolume : public Volume
+{
+public:
+  /// @param image the phases, with field data
+  FieldVolume(vtkSmartPointer<vtkImageData> image, const FieldLayers& fields)
+    : fields_(fields)
+  {
+    image->GetExtent(extent_.data());
+    phases_ = wholeVolume(std::move(image));
+  }
+
+  vtkSmartPointer<vtkImageData> read(int first, int last) override
+  {
+    auto slab = vtkSmartPointer<vtkImageData>::New();
+    slab->ShallowCopy(phases_->read(first, last));
+    vtkPointData* const points = slab->GetPointData();
+    for (const auto& array : fields_.read(first - extent_[4], last - extent_[4]))
+    {
+      points->AddArray(array);
+      array->GetNumberOfComponents() == 1 ? points->SetActiveScalars(array->GetName())
+                                          : points->SetActiveVectors(array->GetName());
+    }
+    return slab;
+  }
+
+private:
+  std::unique_ptr<Volume> phases_;
+  const FieldLayers& fields_;
+};
 
 /// What is given of the phases goes to the filter; the image gets the directions that it may want.
 void giveConductivities(const DiffusionOptions& options, bool greys, const Sample& sample, vtkImageData* image)
@@ -94,7 +134,7 @@ public:
         filter_->SetConductivityAcrossUncertainty(one.phase.c_str(), one.acrossUncertainty);
     }
     fields_ = !options.output.empty();
-    requireVti(options.output);
+    requireImage(options.output);
     report_.file = options.picture.file;
     report_.sample = &sample_;
     report_.ranks = session.ranks();
@@ -105,7 +145,7 @@ public:
   void run()
   {
     load();
-    if (!fields_ || filter_->GetTargetError() > 0)
+    if (!fields_ || fieldsApart())
     {
       filter_->SetComputeField(false);
       filter_->SetComputeFlux(false);
@@ -118,18 +158,23 @@ public:
   }
 
 private:
+  /// Are fields solved for by themselves, when all numbers are known?
+  [[nodiscard]] bool fieldsApart() const { return streams_ || filter_->GetTargetError() > 0; }
+
   /// All that can go wrong with what the user gave goes wrong here, before anything is computed.
   void load()
   {
     lbm::StudySize size;
     size.refinement = filter_->GetRefinement();
-    size.fields = fields_;
     size.ranks = session_.ranks();
     size.ranksOnMachine = session_.ranksOnMachine();
     const auto check = [&](const Lattice& lattice)
     {
       size.lattice = lattice;
       size.stencil = lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
+      // of volumes slab by slab: their fields need not be held
+      streams_ = fields_ && lattice.dimension == 3 && size.refinement == 1 && !(filter_->GetTargetError() > 0);
+      size.fields = fields_ && !streams_;
       lbm::requireMemory(size); // of a sample that hardly conducts: the least that it may be
     };
     std::array<int, 4> axes{ 0, 0, 0, 0 }; // how many, and which
@@ -163,10 +208,12 @@ private:
           report_.written.push_back(name);
           const double nodes = static_cast<double>(lattice.count()) * std::pow(size.refinement, lattice.dimension);
           files_.back().needs(static_cast<std::uint64_t>(nodes * (8 + 24 + 1)));
+          streams_ = streams_ && !files_.back().inMemory();
         }
       });
     session_.broadcast(extent_);
     session_.broadcast(axes);
+    session_.broadcast(streams_);
     axes_.assign(axes.begin() + 1, axes.begin() + 1 + axes[0]);
   }
 
@@ -186,19 +233,24 @@ private:
   {
     filter_->SetComputeField(true);
     filter_->SetComputeFlux(true);
-    const bool target = filter_->GetTargetError() > 0;
-    if (target) // the refinement is known by now
+    const bool apart = fieldsApart();
+    if (apart) // the refinement is known by now
     {
       filter_->SetTargetError(0);
       filter_->SetEstimateError(false);
+      filter_->SetEstimateWindowError(false);
       filter_->SetRefinement(report_.found.answers.front().refinement);
     }
     for (std::size_t i = 0; i < axes_.size(); ++i)
     {
       filter_->SetDirection(axes_[i]);
+      if (streams_)
+        filter_->SetFieldSink([this, i](const FieldLayers& fields) { write(fields, i); });
       solve();
+      if (streams_)
+        continue;
       const SteadyFindings& found = filter_->GetFindings();
-      if (!target)
+      if (!apart)
       {
         std::vector<lbm::DiffusionAnswer> answers = std::move(report_.found.answers);
         report_.found = found;
@@ -209,7 +261,7 @@ private:
         [&]
         {
           vtkImageData* const output = filter_->GetOutput();
-          if (target)
+          if (apart)
             describe(output, report_.found.along(axes_[i]));
           output->GetPointData()->RemoveArray("axis");
           write(output, files_[i]);
@@ -218,12 +270,32 @@ private:
     }
   }
 
+  /// A volume's, slab by slab.
+  void write(const FieldLayers& fields, std::size_t i)
+  {
+    vtkNew<vtkImageData> image;
+    image->ShallowCopy(fields.image);
+    image->GetPointData()->RemoveArray("axis");
+    describe(image, report_.found.along(axes_[i]));
+    note(image);
+    FieldVolume volume(image.Get(), fields);
+    isHdf(files_[i].path()) ? writeHdf(session_, volume, files_[i]) : writeXmlImage(session_, volume, files_[i]);
+  }
+
   void write(vtkImageData* output, const OutputFile& file)
+  {
+    note(output);
+    if (isHdf(file.path()))
+      writeHdf(session_, *wholeVolume(output), file);
+    else
+      writeGrid(output, file);
+  }
+
+  void note(vtkImageData* output)
   {
     if (report_.provenance.version.empty())
       report_.provenance = recordRun(session_, commandLine_, options_.picture.file, sample_.provenance);
     setProvenance(output, io::toJson(report_.provenance));
-    writeGrid(output, file);
   }
 
   void conclude()
@@ -256,7 +328,8 @@ private:
   Observer plan_{ filter_, vtkSteadyDiffusion::PLAN_EVENT,
     [this](void* words) { session_.note(static_cast<const char*>(words)); } };
   bool fields_ = false;
-  Sample sample_; // its phases are in the image
+  bool streams_ = false; ///< they are written slab by slab
+  Sample sample_;        // its phases are in the image
   vtkSmartPointer<vtkImageData> image_ = vtkSmartPointer<vtkImageData>::New();
   std::array<int, 6> extent_{ 0, -1, 0, -1, 0, -1 };
   std::vector<int> axes_;
@@ -283,7 +356,8 @@ Command diffusionCommand(CLI::App& root)
     { "conductivity", "conductivity-across", "conductivity-uncertainty", "conductivity-across-uncertainty", "field",
       "flux" });
   addOutputOptions(*app, o->output, o->common,
-    "Write phases, field and flux as .vti, for ParaView; several directions: FILE_x.vti, FILE_y.vti");
+    "Write phases, field and flux as .vti or .vtkhdf, for ParaView; several directions: FILE_x.vti, FILE_y.vti. Of "
+    "volumes slab by slab, so that fields that are larger than memory can be written");
   addReportOptions(*app, o->common);
   addExamples(*app,
     { "lamella diffusion tissue.png --phase 0=lumen --phase 255=wall --conductivity lumen=0.023 --conductivity wall=1",

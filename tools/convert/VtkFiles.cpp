@@ -98,7 +98,7 @@ protected:
       vtkImageData::GetData(out)->ShallowCopy(slab);
       const auto& whole = this->TheVolume->extent();
       this->TheSession->progress(
-        static_cast<double>(extent[5] - whole[4] + 1) / (whole[5] - whole[4] + 1), "converting");
+        static_cast<double>(extent[5] - whole[4] + 1) / (whole[5] - whole[4] + 1), "writing");
       return 1;
     }
     catch (...)

@@ -195,7 +195,7 @@ public:
         if (const double noise = field_.roundOff() / sums.energy; std::abs(fall) <= safety * noise)
         {
           result.solverError = amplification * noise;
-          if (result.solverError > target)
+          if (wantsDouble(result, target))
             return refined(result, target);
           break;
         }
@@ -227,7 +227,7 @@ public:
         continue;
       const double rest = amplification * field_.roundOff() / sums.energy;
       result.solverError = std::max(result.solverError, rest);
-      if (result.solverError > target)
+      if (wantsDouble(result, target))
         return refined(result, target);
       break;
     }
@@ -277,12 +277,26 @@ public:
   }
 
 private:
+  [[nodiscard]] bool memoryForDouble() const
+  {
+    const double more = static_cast<double>(problem_.parts.block().count()) * 14;
+    return !problem_.comm.any(more > static_cast<double>(availableMemory()));
+  }
+  // Where memory is too short for that, a field as exact as single precision holds it has to do, if its value is exact
+  // enough.
+  [[nodiscard]] bool wantsDouble(const SteadyResult& result, double target) const
+  {
+    if (result.solverError <= target)
+      return false;
+    const SteadyOptions& options = problem_.options;
+    return options.sides == Sides::Periodic || result.solverError > options.tolerance || memoryForDouble();
+  }
+
   // What single precision leaves is taken off in double: cycles for the residual of a field that is, until the energy
   // falls no more.
   SteadyResult refined(SteadyResult result, double target)
   {
-    const double more = static_cast<double>(problem_.parts.block().count()) * 14;
-    if (problem_.comm.any(more > static_cast<double>(availableMemory())))
+    if (!memoryForDouble())
       fail(result, singlePrecision);
     const Problem problem = problemOf(problem_, masked_.get());
     exact_ = std::make_unique<BoxField>(problem);

@@ -3,6 +3,7 @@
 #include "BondFields.h"
 #include "BoxExchange.h"
 #include "DiffusionScene.h"
+#include "FieldLayers.h"
 #include "RefinedImage.h"
 #include "SteadyFindings.h"
 #include "SurfaceDoubt.h"
@@ -32,7 +33,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <map>
 #include <optional>
@@ -104,6 +107,8 @@ struct vtkSteadyDiffusion::Internals
   lbm::SteadyOptions Steady;
   std::vector<int> Axes;
 
+  lamella::FieldSink Sink;
+
   lamella::SteadyFindings Found;
 };
 
@@ -111,8 +116,11 @@ struct vtkSteadyDiffusion::Internals
 class vtkSteadyDiffusion::FieldStore
 {
 public:
-  FieldStore(vtkSteadyDiffusion* self, const lamella::DiffusionScene& scene, const lamella::Team& team)
+  /// @param image with the phases
+  FieldStore(
+    vtkSteadyDiffusion* self, vtkImageData* image, const lamella::DiffusionScene& scene, const lamella::Team& team)
     : Self(self)
+    , Image(image)
     , Scene(scene)
     , Team(team)
   {
@@ -123,6 +131,11 @@ public:
   /// Collective. Takes them of a solve on this lattice.
   void take(lbm::SteadyDiffusion const& solver, int axis, const lamella::Lattice& lattice, const lbm::Block& block)
   {
+    if (this->Self->Internal->Sink)
+    {
+      this->stream(solver, axis, lattice, block);
+      return;
+    }
     this->Split = static_cast<int>(lattice.size[0] / this->Scene.lattice().size[0]);
     lbm::Block held = this->Scene.whole.held;
     for (std::size_t a = 0; a < static_cast<std::size_t>(lattice.dimension); ++a)
@@ -130,31 +143,12 @@ public:
       held.start[a] *= this->Split;
       held.size[a] *= this->Split;
     }
-    const lamella::BoxExchange outward(
-      lattice, block, held, { false, false, false }, this->Team.comm(), this->Team.size());
-    const bool all = this->Self->Direction == ALL;
-    const std::string suffix = all ? std::string("_") + lamella::axisNames[static_cast<std::size_t>(axis)] : "";
-    const std::string quantity = this->Self->QuantityName();
-    // The solver has value 1 on the low face.
-    const bool fromTop = this->Scene.fromTop(axis);
-    if (this->Self->ComputeField)
-    {
-      const auto field = lamella::DiffusionScene::array(
-        quantity + suffix, 1, outward, block, held, [&](std::span<double> out) { solver.value(out); });
-      if (fromTop)
-        change(field, [](double& value) { value = 1 - value; });
-      lamella::describe(field, "1", quantity + ", 1 at the inlet and 0 at the outlet", "vtkSteadyDiffusion");
+    const Part part{ solver, axis, lattice, block, held, { 0, block.size[2] } };
+    const auto [field, flux] = this->arrays(part);
+    if (field)
       this->Fields.emplace_back(field);
-    }
-    if (this->Self->ComputeFlux)
-    {
-      const auto flux = lamella::DiffusionScene::array(
-        "flux" + suffix, 3, outward, block, held, [&](std::span<double> out) { solver.flux(out); });
-      if (fromTop)
-        change(flux, [](double& value) { value = value == 0 ? 0 : -value; });
-      lamella::describe(flux, "conductivity/m", "flux of " + quantity + ", -D grad u", "vtkSteadyDiffusion");
+    if (flux)
       this->Fluxes.emplace_back(flux);
-    }
   }
 
   /// An image with the phases becomes one with the fields, too, on the lattice that they were solved on.
@@ -176,7 +170,117 @@ public:
   }
 
 private:
+  /// Of a solve, what a rank has solved and what it holds.
+  struct Part
+  {
+    const lbm::SteadyDiffusion& solver;
+    int axis;
+    const lamella::Lattice& lattice;
+    lbm::Block block; ///< the layers of it alone
+    lbm::Block held;
+    lbm::Layers layers; ///< of the rank's block
+  };
+
+  /// Field and flux of what is held, where they are asked for. Collective.
+  [[nodiscard]] std::array<vtkSmartPointer<vtkDoubleArray>, 2> arrays(const Part& part) const
+  {
+    const lamella::BoxExchange outward(
+      part.lattice, part.block, part.held, { false, false, false }, this->Team.comm(), this->Team.size());
+    const int axis = part.axis;
+    std::array<vtkSmartPointer<vtkDoubleArray>, 2> made;
+    const bool all = this->Self->Direction == ALL;
+    const std::string suffix = all ? std::string("_") + lamella::axisNames[static_cast<std::size_t>(axis)] : "";
+    const std::string quantity = this->Self->QuantityName();
+    // The solver has value 1 on the low face.
+    const bool fromTop = this->Scene.fromTop(axis);
+    if (this->Self->ComputeField)
+    {
+      const auto field = lamella::DiffusionScene::array(quantity + suffix, 1, outward, part.block, part.held,
+        [&](std::span<double> out) { part.solver.value(out, part.layers); });
+      if (fromTop)
+        change(field, [](double& value) { value = 1 - value; });
+      lamella::describe(field, "1", quantity + ", 1 at the inlet and 0 at the outlet", "vtkSteadyDiffusion");
+      made[0] = field;
+    }
+    if (this->Self->ComputeFlux)
+    {
+      const auto flux = lamella::DiffusionScene::array("flux" + suffix, 3, outward, part.block, part.held,
+        [&](std::span<double> out) { part.solver.flux(out, part.layers); });
+      if (fromTop)
+        change(flux, [](double& value) { value = value == 0 ? 0 : -value; });
+      lamella::describe(flux, "conductivity/m", "flux of " + quantity + ", -D grad u", "vtkSteadyDiffusion");
+      made[1] = flux;
+    }
+    return made;
+  }
+
+  /// Hands the fields to the sink, which reads them by layers on the first rank, who has the image. Collective.
+  void stream(
+    const lbm::SteadyDiffusion& solver, int axis, const lamella::Lattice& lattice, const lbm::Block& block) const
+  {
+    const lamella::Communicator comm(this->Team.comm());
+    // what there is of some layers in a box
+    const auto within = [](lbm::Block box, std::int64_t first, std::int64_t last)
+    {
+      const std::int64_t end = std::min(box.start[2] + box.size[2], last + 1);
+      box.start[2] = std::max(box.start[2], first);
+      box.size[2] = std::max<std::int64_t>(0, end - box.start[2]);
+      return box;
+    };
+    const auto read = [&](std::int64_t first, std::int64_t last)
+    {
+      const lbm::Block mine = within(block, first, last);
+      const std::int64_t begin = mine.size[2] > 0 ? mine.start[2] - block.start[2] : 0;
+      return this->arrays(
+        { solver, axis, lattice, mine, within(this->Scene.whole.held, first, last), { begin, begin + mine.size[2] } });
+    };
+    std::array<std::int64_t, 2> wanted{ 0, 0 };
+    const auto tell = [&]
+    {
+      if (comm.parallel())
+        MPI_Bcast(wanted.data(), 2, MPI_INT64_T, 0, comm.handle());
+    };
+    std::exception_ptr failure;
+    if (comm.rank() > 0)
+      for (tell(); wanted[0] >= 0; tell())
+        (void)read(wanted[0], wanted[1]);
+    else
+    {
+      lamella::FieldLayers fields;
+      fields.axis = axis;
+      fields.image = this->Image;
+      fields.read = [&](int first, int last)
+      {
+        wanted = { first, last };
+        tell();
+        std::vector<vtkSmartPointer<vtkDoubleArray>> some;
+        for (auto& array : read(first, last))
+          if (array)
+            some.push_back(array);
+        return some;
+      };
+      try
+      {
+        this->Self->Internal->Sink(fields);
+      }
+      catch (...)
+      {
+        failure = std::current_exception();
+      }
+      wanted = { -1, -1 };
+      tell();
+    }
+    this->Team.agree(
+      [&]
+      {
+        if (failure)
+          std::rethrow_exception(failure);
+      });
+  }
+
+private:
   vtkSteadyDiffusion* Self;
+  vtkImageData* Image;
   const lamella::DiffusionScene& Scene;
   const lamella::Team& Team;
   int Split = 1;
@@ -251,6 +355,12 @@ void vtkSteadyDiffusion::TakeDoubt(vtkImageData* input, const lamella::Team& tea
 {
   this->Internal->Found.surfaceDoubt =
     lamella::surfaceDoubt(input, this->SurfaceDoubt, lamella::Communicator(team.comm()));
+}
+
+void vtkSteadyDiffusion::SetFieldSink(std::function<void(const lamella::FieldLayers&)> sink)
+{
+  this->Internal->Sink = std::move(sink);
+  this->Modified();
 }
 
 const lamella::SteadyFindings& vtkSteadyDiffusion::GetFindings() const
@@ -352,8 +462,6 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   if (this->TellsSurfaces())
     team.agree([&] { this->TakeDoubt(input, team); });
   this->Prepare(input, scene, team);
-  FieldStore store(this, scene, team);
-  gathered ? this->SolveGathered(scene, store, team) : this->SolveInBlocks(scene, store, team);
   output->ShallowCopy(input);
   // Of a state in time, which this is none, and of a window error, which may not be asked for.
   for (const char* const name :
@@ -362,6 +470,8 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
       "layered_high", "surface_sensitivity", "segmentation_error_by_direction", "total_error_by_direction" })
     output->GetFieldData()->RemoveArray(name);
   this->Internal->Found.phaseArray = storePhases(output, scene.phases, team);
+  FieldStore store(this, output, scene, team);
+  gathered ? this->SolveGathered(scene, store, team) : this->SolveInBlocks(scene, store, team);
   this->Conclude();
   store.put(output);
   lamella::describe(output, this->Internal->Found);
@@ -462,7 +572,7 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   const bool fields = this->ComputeField || this->ComputeFlux;
   if (!fields)
     options.fieldTolerance = std::numeric_limits<double>::infinity(); // nobody sees the field
-  lbm::StudySize size{ lattice, 0, found.stencil, this->Refinement, fields };
+  lbm::StudySize size{ lattice, 0, found.stencil, this->Refinement, fields && !internal.Sink };
   for (std::size_t id = 0; id < scene.nodes.size(); ++id)
     size.conducting += internal.Values[id] > 0 ? scene.nodes[id] : 0;
   const lamella::Communicator comm(team.comm());

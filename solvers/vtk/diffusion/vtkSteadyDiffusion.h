@@ -76,11 +76,13 @@
 #include "vtkDiffusionAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
-#include <memory> // for std::unique_ptr
+#include <functional> // for std::function
+#include <memory>     // for std::unique_ptr
 
 namespace lamella
 {
 struct DiffusionScene;
+struct FieldLayers;
 class GreyTable;
 struct SteadyFindings;
 class Team;
@@ -321,6 +323,9 @@ public:
 #ifndef __VTK_WRAP__
   /** All that the last update found, to tell of it. */
   const lamella::SteadyFindings& GetFindings() const;
+  /** Hand the fields to this by layers instead of putting them into the output: of volumes whose pixels are not split.
+   * The first rank has the whole image. */
+  void SetFieldSink(std::function<void(const lamella::FieldLayers&)> sink);
 #endif
 
 protected:
