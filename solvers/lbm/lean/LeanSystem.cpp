@@ -22,8 +22,6 @@ namespace lamella::lbm
 namespace
 {
 
-constexpr int fieldSweeps = 3; // before and after the correction
-
 // Falls of the energy below this part of it may be round-off of the field.
 constexpr double mayBeRoundOff = 1e-5;
 constexpr double leastTarget = 1e-13;
@@ -41,8 +39,7 @@ constexpr double quickest = 0.002;
 // of contrasts up to 1e7.
 constexpr double amplified = 3;
 constexpr double mild = 100;
-// Cycles that leave more than this part of the energy's excess are given up after `patience` of them.
-constexpr double slowest = 0.5;
+// Cycles that leave more than `slowest` of the energy's excess are given up after that many of them.
 constexpr int patience = 3;
 
 // Coarse levels of blocks.
@@ -61,6 +58,8 @@ public:
     field.addFrom(coarse);
   }
   [[nodiscard]] std::size_t bytes() const { return multigrid_.bytes(); }
+  [[nodiscard]] static int sweeps() { return 3; } ///< before and after
+  [[nodiscard]] static double slowest() { return 0.5; }
   static constexpr Method method = Method::LeanMultigrid;
   static constexpr double leastRate = 0; // rates rise smoothly
   static constexpr const char* tooMuch = "thin walls that insulate are too much for blocks of nodes: ";
@@ -181,9 +180,9 @@ public:
     {
       if (result.iterations >= options.maxIterations)
         fail(result, "");
-      field_.relax(fieldSweeps, true);
+      field_.relax(correction_.sweeps(), true);
       correction_.correct(field_);
-      field_.relax(fieldSweeps, false);
+      field_.relax(correction_.sweeps(), false);
       ++result.iterations;
 
       const double now = energyNow();
@@ -201,7 +200,7 @@ public:
         }
       // A cycle does not raise the energy but by round-off, which tells nothing of what is left.
       const bool rises = fall < 0;
-      slow = rate > slowest || rate < 0 || rises ? slow + 1 : 0;
+      slow = rate > correction_.slowest() || rate < 0 || rises ? slow + 1 : 0;
       if (slow == patience)
       {
         const bool rounded =
@@ -332,9 +331,9 @@ private:
         fail(result, "");
       for (int cycle = 0; cycle < cyclesAResidual; ++cycle)
       {
-        field_.relax(fieldSweeps, true);
+        field_.relax(correction_.sweeps(), true);
         correction_.correct(field_);
-        field_.relax(fieldSweeps, false);
+        field_.relax(correction_.sweeps(), false);
         ++result.iterations;
       }
       forRows([&](std::int64_t y, std::int64_t z) { field_.addRow(y, z, 1.0, exact_->rowValues(y, z)); });
@@ -351,7 +350,7 @@ private:
       reportProgress(problem.options, problem.comm, progressOf(result.solverError, target), "solving");
       if (result.solverError <= target)
         break;
-      slow = rates[2] > slowest ? slow + 1 : 0;
+      slow = rates[2] > correction_.slowest() ? slow + 1 : 0;
       if (slow == 2 * patience)
         fail(result, Correction::tooMuch);
     }

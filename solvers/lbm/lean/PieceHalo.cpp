@@ -69,13 +69,14 @@ std::size_t PieceHalo::sideWith(std::uint32_t ghost) const noexcept
 }
 
 std::array<std::vector<std::uint32_t>, PieceHalo::sides> PieceHalo::ofBlocks(
-  std::span<const std::uint32_t> byBlock) const
+  std::span<const std::uint32_t> byBlock, std::size_t each) const
 {
   std::array<std::vector<std::uint32_t>, sides> mine;
   for (std::size_t side = 0; side < sides; ++side)
     if (has(side))
       for (const std::size_t block : blocksAlong(blocks_, side))
-        mine[side].push_back(byBlock[block]);
+        for (std::size_t k = 0; k < each; ++k)
+          mine[side].push_back(byBlock[each * block + k]);
   return swap(mine);
 }
 

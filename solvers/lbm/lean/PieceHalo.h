@@ -45,8 +45,9 @@ public:
   /// This rank's unknowns along a side.
   [[nodiscard]] const std::vector<std::uint32_t>& along(std::size_t side) const noexcept { return along_[side]; }
 
-  /// One value a block along each side, of the neighbour's blocks there; [side] by place. Collective.
-  [[nodiscard]] std::array<std::vector<std::uint32_t>, sides> ofBlocks(std::span<const std::uint32_t> byBlock) const;
+  /// So many values a block along each side, of the neighbour's blocks there; [side] by place. Collective.
+  [[nodiscard]] std::array<std::vector<std::uint32_t>, sides> ofBlocks(
+    std::span<const std::uint32_t> byBlock, std::size_t each = 1) const;
   /// Fills the ghosts, which follow the own ones. Four bytes a value. Collective.
   template <class T>
   void exchange(std::vector<T>& v) const

@@ -26,17 +26,22 @@ constexpr double worthwhile = 0.8;
 // The coarsest level, where it is too large for that, is relaxed that often.
 constexpr int coarsestSweeps = 30;
 constexpr std::size_t threadedCount = 20000;
+// In labels of four bits; those of larger blocks have eight.
 constexpr std::uint32_t apart = 15;
+// Where more than this part of the nodes would be pieces, as in noise, blocks are made of twice as many along each
+// axis.
+constexpr double manyPieces = 0.22;
+constexpr std::int64_t mostEdge = 4;
+constexpr std::size_t mostNodes = mostEdge * mostEdge * mostEdge;
 
 float half(float inside)
 {
   return inside > 0 ? 0.5F / inside : 0.0F;
 }
 
-float inSeries(float between, float insideHere, float insideThere)
+float inSeries(float between, float insideHere, float insideThere, float least)
 {
-  return between > 0 ? std::max(leastBlockLink * between, 1 / (half(insideHere) + 1 / between + half(insideThere)))
-                     : 0.0F;
+  return between > 0 ? std::max(least * between, 1 / (half(insideHere) + 1 / between + half(insideThere))) : 0.0F;
 }
 
 // A few sums by key, in the order in which keys come first.
@@ -128,6 +133,28 @@ std::vector<T> gatherAll(const Communicator& comm, std::span<const T> mine)
   return all;
 }
 
+// A node's place in its block.
+std::size_t nodeOf(const std::array<std::int64_t, 3>& p, std::int64_t edge)
+{
+  const std::int64_t last = edge - 1; // a power of two, less one
+  return static_cast<std::size_t>((p[0] & last) + edge * ((p[1] & last) + edge * (p[2] & last)));
+}
+
+std::uint32_t labelOf(const std::uint32_t* labels, std::size_t node, std::int64_t edge)
+{
+  return edge == 2 ? (labels[0] >> (4 * node)) & 15 : (labels[node / 4] >> (8 * (node % 4))) & 255;
+}
+
+std::size_t labelWords(std::int64_t edge)
+{
+  return edge == 2 ? 1 : static_cast<std::size_t>(edge * edge * edge) / 4;
+}
+
+std::uint32_t apartIn(std::int64_t edge)
+{
+  return edge == 2 ? 15 : 255;
+}
+
 std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i)
 {
   while (parent[i] != i)
@@ -174,10 +201,16 @@ PieceMultigrid::PieceMultigrid(const LeanField& field, int threads)
   for (const int a : { 0, 1, 2 })
     wraps_[static_cast<std::size_t>(a)] =
       periodic_[static_cast<std::size_t>(a)] && lattice_->parts->parts()[static_cast<std::size_t>(a)] == 1;
-  label(field);
+  label(field, 2);
+  const bool aligned = !lattice_->comm->parallel() || lattice_->parts->levels() > 1;
+  const auto nodes = static_cast<double>(lattice_->size[0] * lattice_->size[1] * lattice_->size[2]);
+  if (aligned && static_cast<double>(total(levels_.front())) > manyPieces * nodes)
+    label(field, mostEdge);
+  PieceLevel& first = levels_.front();
+  first.halo = PieceHalo(*lattice_->comm, *lattice_->parts, periodic_, first.blocks, first.start);
   linkFirst(field);
   double strong = everyLink_ ? 0 : strongPart;
-  int halvings = lattice_->parts->levels() - 1;
+  int halvings = lattice_->parts->levels() - (edge_ == 2 ? 1 : 2);
   for (std::int64_t count = total(levels_.back()); count > coarsestCount; count = total(levels_.back()))
     if (levels_.back().shared && (halvings-- <= 0 || count < sharedCount))
       gather();
@@ -203,19 +236,24 @@ std::size_t PieceMultigrid::bytes() const noexcept
   return total;
 }
 
-// The pieces of every block of nodes.
-void PieceMultigrid::label(const LeanField& field)
+// The pieces of every block of nodes. Of blocks of 4 × 4 × 4 single nodes are none: relaxation is enough for them, and
+// in noise they would be most of the pieces.
+void PieceMultigrid::label(const LeanField& field, std::int64_t edge)
 {
   const std::array<std::int64_t, 3> size = field.size();
+  edge_ = edge;
+  levels_.clear();
   PieceLevel& first = levels_.emplace_back();
   first.shared = lattice_->comm->parallel();
   for (std::size_t a = 0; a < 3; ++a)
   {
-    first.blocks[a] = (size[a] + 1) / 2;
-    first.begin[a] = lattice_->start[a] / 2;
+    first.blocks[a] = (size[a] + edge - 1) / edge;
+    first.begin[a] = lattice_->start[a] / edge;
   }
-  labels_.assign(blockCount(first.blocks), 0);
-  first.start.assign(labels_.size() + 1, 0);
+  const auto nodes = static_cast<std::size_t>(edge * edge * edge);
+  labels_.assign(blockCount(first.blocks) * labelWords(edge), 0);
+  const std::uint32_t apart = apartIn(edge);
+  first.start.assign(blockCount(first.blocks) + 1, 0);
   // which phases are joined
   std::vector<std::uint8_t> joined(256 * 256, 0);
   everyLink_ = true;
@@ -230,60 +268,57 @@ void PieceMultigrid::label(const LeanField& field)
     }
   const std::array<bool, 3> alongJoined = strongAxes(field.links(), lattice_->size);
   everyLink_ = everyLink_ && alongJoined == std::array<bool, 3>{ true, true, true };
-  forBlockRows(first.blocks,
-    [&](std::int64_t by, std::int64_t bz)
+  const std::array<std::size_t, 3> steps{ 1, static_cast<std::size_t>(edge), static_cast<std::size_t>(edge * edge) };
+  forBlocks(first.blocks,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t block)
     {
-      std::array<const std::uint8_t*, 4> rows{};
-      for (int k = 0; k < 4; ++k)
+      std::array<std::uint8_t, mostNodes> parent{}; // towards the least node of its piece
+      std::array<std::uint8_t, mostNodes> count{};
+      std::array<int, mostNodes> id{};
+      const auto root = [&](std::size_t i)
       {
-        const std::int64_t y = 2 * by + (k & 1);
-        const std::int64_t z = 2 * bz + (k >> 1);
-        rows[static_cast<std::size_t>(k)] = y < size[1] && z < size[2] ? field.phaseRow(y, z) : nullptr;
-      }
-      for (std::int64_t bx = 0; bx < first.blocks[0]; ++bx)
+        while (parent[i] != i)
+          i = parent[i] = parent[parent[i]];
+        return i;
+      };
+      std::size_t n = 0;
+      for (std::int64_t z = 0; z < edge; ++z)
+        for (std::int64_t y = 0; y < edge; ++y)
+        {
+          const bool inside = edge * by + y < size[1] && edge * bz + z < size[2];
+          const std::uint8_t* row = inside ? field.phaseRow(edge * by + y, edge * bz + z) + edge * bx : nullptr;
+          for (std::int64_t x = 0; x < edge; ++x, ++n)
+          {
+            id[n] = inside && edge * bx + x < size[0] && field.links().conducts(row[x]) ? row[x] : -1;
+            parent[n] = static_cast<std::uint8_t>(n);
+            if (id[n] < 0)
+              continue;
+            const std::array<bool, 3> has{ x > 0, y > 0, z > 0 };
+            for (std::size_t a = 0; a < 3; ++a)
+              if (has[a] && alongJoined[a] && id[n - steps[a]] >= 0 &&
+                joined[static_cast<std::size_t>(id[n]) * 256 + static_cast<std::size_t>(id[n - steps[a]])] != 0)
+              {
+                const std::size_t i = root(n);
+                const std::size_t j = root(n - steps[a]);
+                parent[std::max(i, j)] = static_cast<std::uint8_t>(std::min(i, j));
+              }
+          }
+        }
+      for (std::size_t i = 0; i < nodes; ++i)
+        ++count[root(i)];
+      std::uint32_t pieces = 0;
+      std::array<std::uint32_t, mostNodes> number{};
+      for (std::size_t i = 0; i < nodes; ++i)
       {
-        std::array<int, 8> label{}; // the least node of its piece
-        std::array<int, 8> id{};
-        for (int n = 0; n < 8; ++n)
-        {
-          const auto i = static_cast<std::size_t>(n);
-          const std::uint8_t* row = rows[i >> 1];
-          const std::int64_t x = 2 * bx + (n & 1);
-          id[i] = row != nullptr && x < size[0] && field.links().conducts(row[x]) ? row[x] : -1;
-          label[i] = n;
-        }
-        for (bool changed = true; changed;)
-        {
-          changed = false;
-          for (int n = 0; n < 8; ++n)
-            for (const int step : { 1, 2, 4 })
-            {
-              const auto i = static_cast<std::size_t>(n);
-              const auto j = static_cast<std::size_t>(n | step);
-              if ((n & step) != 0 || !alongJoined[static_cast<std::size_t>(step / 2)] || id[i] < 0 || id[j] < 0 ||
-                label[i] == label[j] ||
-                joined[static_cast<std::size_t>(id[i]) * 256 + static_cast<std::size_t>(id[j])] == 0)
-                continue;
-              label[i] = label[j] = std::min(label[i], label[j]);
-              changed = true;
-            }
-        }
-        std::uint32_t packed = 0;
-        std::uint32_t pieces = 0;
-        std::array<std::uint32_t, 8> number{};
-        for (std::size_t i = 0; i < 8; ++i)
-        {
-          if (id[i] >= 0 && label[i] == static_cast<int>(i))
-            number[i] = pieces++;
-          packed |= (id[i] < 0 ? apart : number[static_cast<std::size_t>(label[i])]) << (4 * i);
-        }
-        const auto block = static_cast<std::size_t>(bx + first.blocks[0] * (by + first.blocks[1] * bz));
-        labels_[block] = packed;
-        first.start[block] = pieces;
+        const std::size_t least = root(i);
+        if (least == i)
+          number[i] = id[i] < 0 ? apart : pieces++;
+        const std::size_t bits = edge == 2 ? 4 : 8;
+        labels_[block * labelWords(edge) + i * bits / 32] |= number[least] << (bits * i % 32);
       }
+      first.start[block] = pieces;
     });
   startsFromCounts(first.start);
-  first.halo = PieceHalo(*lattice_->comm, *lattice_->parts, periodic_, first.blocks, first.start);
 }
 
 // The links of a level whose pieces are known. gather(bx, by, bz, f) calls f(here, there, link, axis) for every link of
@@ -312,6 +347,7 @@ void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
     });
   for (auto& v : level.work)
     level.halo.exchange(v);
+  constexpr float least = leastBlockLink;
   // how many links an unknown has, then which
   for (const bool fill : { false, true })
   {
@@ -332,7 +368,7 @@ void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
         for (std::uint32_t i = begin; i < end; ++i)
         {
           std::size_t at = level.row[i];
-          const float wall = inSeries(level.wall[i], level.work[static_cast<std::size_t>(axis_)][i], 0);
+          const float wall = inSeries(level.wall[i], level.work[static_cast<std::size_t>(axis_)][i], 0, least);
           double total = static_cast<double>(wall);
           for (std::size_t axis = 0; axis < 4; ++axis)
           {
@@ -341,10 +377,10 @@ void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
               if (fill)
               {
                 const float link =
-                  axis == 3 ? f.sum[k] : inSeries(f.sum[k], level.work[axis][i], level.work[axis][f.key[k]]);
+                  axis == 3 ? f.sum[k] : inSeries(f.sum[k], level.work[axis][i], level.work[axis][f.key[k]], least);
                 level.other[at] = f.key[k];
-                level.link[at] = link;
-                total += static_cast<double>(link);
+                level.link[at] = PieceLevel::packed(link);
+                total += static_cast<double>(level.linkAt(at));
               }
             f.clear();
           }
@@ -363,7 +399,7 @@ void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
     for (auto& r : level.row)
       r = std::exchange(before, before + r);
     level.other.assign(before, 0);
-    level.link.assign(before, 0.0F);
+    level.link.assign(before, 0);
   }
 }
 
@@ -373,25 +409,59 @@ void PieceMultigrid::linkFirst(const LeanField& field)
   PieceLevel& level = levels_.front();
   const std::array<std::int64_t, 3> size = field.size();
   const std::array<std::int64_t, 3> blocks = level.blocks;
-  const auto beyond =
-    level.halo.parallel() ? level.halo.ofBlocks(labels_) : std::array<std::vector<std::uint32_t>, PieceHalo::sides>{};
-  const auto numbered = [](std::uint32_t labels, std::uint32_t start, const std::array<std::int64_t, 3>& p)
+  const auto beyond = level.halo.parallel() ? level.halo.ofBlocks(labels_, labelWords(edge_))
+                                            : std::array<std::vector<std::uint32_t>, PieceHalo::sides>{};
+  const std::size_t words = labelWords(edge_);
+  const std::uint32_t apart = apartIn(edge_);
+  const auto numbered = [&](const std::uint32_t* labels, std::uint32_t start, const std::array<std::int64_t, 3>& p)
   {
-    const auto node = static_cast<unsigned>((p[0] & 1) + 2 * (p[1] & 1) + 4 * (p[2] & 1));
-    const std::uint32_t piece = (labels >> (4 * node)) & apart;
+    const std::uint32_t piece = labelOf(labels, nodeOf(p, edge_), edge_);
     return piece == apart ? PieceLevel::none : start + piece;
+  };
+  const auto blockOf = [&](const std::array<std::int64_t, 3>& p) {
+    return std::array<std::int64_t, 3>{ p[0] / edge_, p[1] / edge_, p[2] / edge_ };
   };
   const auto unknown = [&](const std::array<std::int64_t, 3>& p)
   {
-    const std::size_t block = blockIndex(blocks, { p[0] / 2, p[1] / 2, p[2] / 2 });
-    return numbered(labels_[block], level.start[block], p);
+    const std::size_t block = blockIndex(blocks, blockOf(p));
+    return numbered(labels_.data() + block * words, level.start[block], p);
   };
+  // what the links along an axis in a piece count for: those in a row are in series
+  std::vector<float> inside;
+  if (edge_ > 2)
+  {
+    inside.assign(3 * level.count(), 1.0F);
+    forBlocks(blocks,
+      [&](std::int64_t, std::int64_t, std::int64_t, std::size_t block)
+      {
+        const std::uint32_t n = level.start[block + 1] - level.start[block];
+        for (std::uint32_t piece = 0; piece < n; ++piece)
+        {
+          std::array<std::int64_t, 3> low{ 9, 9, 9 };
+          std::array<std::int64_t, 3> high{ -1, -1, -1 };
+          for (std::int64_t k = 0; k < edge_ * edge_ * edge_; ++k)
+            if (labelOf(labels_.data() + block * words, static_cast<std::size_t>(k), edge_) == piece)
+            {
+              const std::array<std::int64_t, 3> p{ k % edge_, k / edge_ % edge_, k / (edge_ * edge_) };
+              for (std::size_t a = 0; a < 3; ++a)
+              {
+                low[a] = std::min(low[a], p[a]);
+                high[a] = std::max(high[a], p[a]);
+              }
+            }
+          for (std::size_t a = 0; a < 3; ++a)
+            if (const auto length = static_cast<float>(high[a] - low[a]); length > 1)
+              inside[3 * (level.start[block] + piece) + a] = 1 / (length * length);
+        }
+      });
+  }
   link(level,
     [&](std::int64_t bx, std::int64_t by, std::int64_t bz, auto&& f)
     {
-      for (int k = 0; k < 8; ++k)
+      for (std::int64_t k = 0; k < edge_ * edge_ * edge_; ++k)
       {
-        const std::array<std::int64_t, 3> p{ 2 * bx + (k & 1), 2 * by + ((k >> 1) & 1), 2 * bz + (k >> 2) };
+        const std::array<std::int64_t, 3> p{ edge_ * bx + k % edge_, edge_ * by + k / edge_ % edge_,
+          edge_ * bz + k / (edge_ * edge_) };
         if (p[0] >= size[0] || p[1] >= size[1] || p[2] >= size[2])
           continue;
         const std::uint32_t here = unknown(p);
@@ -408,8 +478,8 @@ void PieceMultigrid::linkFirst(const LeanField& field)
             if (leaves && a > 0 && level.halo.has(PieceHalo::sideOf(a, step)))
             {
               const std::size_t side = PieceHalo::sideOf(a, step);
-              const std::size_t place = level.halo.place(side, { p[0] / 2, p[1] / 2, p[2] / 2 });
-              there = numbered(beyond[side][place], level.halo.start(side, place), q);
+              const std::size_t place = level.halo.place(side, blockOf(p));
+              there = numbered(beyond[side].data() + place * words, level.halo.start(side, place), q);
             }
             else if (leaves)
             {
@@ -424,8 +494,9 @@ void PieceMultigrid::linkFirst(const LeanField& field)
               there = unknown(q);
             if (there != PieceLevel::none)
               f(here, there,
-                static_cast<float>(
-                  field.links().factor(static_cast<int>(a)) * field.links().mean(id, field.phaseRow(q[1], q[2])[q[0]])),
+                (here == there && edge_ > 2 ? inside[3 * here + a] : 1.0F) *
+                  static_cast<float>(field.links().factor(static_cast<int>(a)) *
+                    field.links().mean(id, field.phaseRow(q[1], q[2])[q[0]])),
                 a);
           }
       }
@@ -456,7 +527,7 @@ bool PieceMultigrid::coarsen(double strong)
   {
     strongest[i] = 0;
     for (std::size_t e = fine.row[i]; e < fine.row[i + 1]; ++e)
-      strongest[i] = std::max(strongest[i], fine.link[e]);
+      strongest[i] = std::max(strongest[i], fine.linkAt(e));
   }
   // f(unknown of the fine level, its block, where along x that is) for all of a coarse block, in order
   const auto forChildren = [&](std::int64_t bx, std::int64_t by, std::int64_t bz, auto&& f)
@@ -494,7 +565,7 @@ bool PieceMultigrid::coarsen(double strong)
         {
           const std::uint32_t j = fine.other[e];
           const float enough = static_cast<float>(strong) * std::max(strongest[i], strongest[j]);
-          if (j > i || j < children.front() || !std::ranges::binary_search(children, j) || fine.link[e] < enough)
+          if (j > i || j < children.front() || !std::ranges::binary_search(children, j) || fine.linkAt(e) < enough)
             continue;
           const std::uint32_t a = rootOf(parent, k);
           const std::uint32_t b = rootOf(parent, place[j]);
@@ -572,7 +643,7 @@ bool PieceMultigrid::coarsen(double strong)
             f(here, PieceLevel::none, fine.wall[i], std::size_t{ 0 });
           for (std::size_t e = fine.row[i]; e < fine.row[i + 1]; ++e)
             if (const std::uint32_t j = fine.other[e]; fine.coarse[j] != PieceLevel::none)
-              f(here, fine.coarse[j], fine.link[e], axisTo(block, j));
+              f(here, fine.coarse[j], fine.linkAt(e), axisTo(block, j));
         });
     });
   levels_.push_back(std::move(next));
@@ -584,7 +655,7 @@ void PieceMultigrid::gather()
 {
   PieceLevel& part = levels_.back();
   const Communicator& comm = *lattice_->comm;
-  const std::int64_t unit = std::int64_t{ 2 } << (levels_.size() - 1); // nodes a block, along each axis
+  const std::int64_t unit = edge_ << (levels_.size() - 1); // nodes a block, along each axis
   PieceLevel whole;
   for (std::size_t a = 0; a < 3; ++a)
     whole.blocks[a] = (lattice_->size[a] + unit - 1) / unit;
@@ -645,7 +716,10 @@ void PieceMultigrid::gather()
     others[e] = own_[part.other[e]];
   const auto allLengths = gatherAll<std::uint32_t>(comm, lengths);
   const auto allOthers = gatherAll<std::uint32_t>(comm, others);
-  const auto allLinks = gatherAll<float>(comm, part.link);
+  std::vector<float> links(part.link.size());
+  for (std::size_t e = 0; e < links.size(); ++e)
+    links[e] = part.linkAt(e);
+  const auto allLinks = gatherAll<float>(comm, links);
   whole.row.assign(whole.count() + 1, 0);
   for (std::size_t k = 0; k < allLengths.size(); ++k)
     whole.row[places_[k] + 1] = allLengths[k];
@@ -657,14 +731,16 @@ void PieceMultigrid::gather()
   {
     const auto to = static_cast<std::ptrdiff_t>(whole.row[places_[k]]);
     std::copy_n(allOthers.begin() + from, allLengths[k], whole.other.begin() + to);
-    std::copy_n(allLinks.begin() + from, allLengths[k], whole.link.begin() + to);
+    std::transform(
+      allLinks.begin() + from, allLinks.begin() + from + allLengths[k], whole.link.begin() + to, PieceLevel::packed);
   }
   for (auto* v : { &whole.x, &whole.b, &whole.work[0], &whole.work[1], &whole.work[2] })
     v->assign(whole.count(), 0.0F);
 
   part.gathered = true;
-  for (auto* v : { &part.link, &part.wall, &part.inverse })
+  for (auto* v : { &part.wall, &part.inverse })
     *v = {};
+  part.link = {};
   part.row = {};
   part.other = {};
   part.work = {};
@@ -684,10 +760,10 @@ void PieceMultigrid::factorize()
   {
     double total = static_cast<double>(level.wall[i]);
     for (std::size_t e = level.row[i]; e < level.row[i + 1]; ++e)
-      total += static_cast<double>(level.link[e]);
+      total += static_cast<double>(level.linkAt(e));
     entries.emplace_back(i, i, total > 0 ? more * total : 1.0);
     for (std::size_t e = level.row[i]; e < level.row[i + 1]; ++e)
-      entries.emplace_back(i, level.other[e], -static_cast<double>(level.link[e]));
+      entries.emplace_back(i, level.other[e], -static_cast<double>(level.linkAt(e)));
   }
   const auto n = static_cast<Eigen::Index>(level.count());
   Eigen::SparseMatrix<double> matrix(n, n);
@@ -709,7 +785,7 @@ void PieceMultigrid::relax(PieceLevel& level, bool forward) const
   {
     float s = level.b[i];
     for (std::size_t e = level.row[i]; e < level.row[i + 1]; ++e)
-      s += level.link[e] * level.x[level.other[e]];
+      s += level.linkAt(e) * level.x[level.other[e]];
     level.x[i] = s * level.inverse[i];
   };
   for (const int pass : { 0, 1 })
@@ -811,7 +887,7 @@ float PieceMultigrid::product(const PieceLevel& level, std::size_t i)
   const float x = level.x[i];
   float s = level.wall[i] * x;
   for (std::size_t e = level.row[i]; e < level.row[i + 1]; ++e)
-    s += level.link[e] * (x - level.x[level.other[e]]);
+    s += level.linkAt(e) * (x - level.x[level.other[e]]);
   return s;
 }
 
@@ -863,59 +939,77 @@ void PieceMultigrid::correct(LeanField& field)
   PieceLevel& level = levels_.front();
   const std::array<std::int64_t, 3> size = field.size();
   const auto& blocks = level.blocks;
+  const std::size_t words = labelWords(edge_);
+  const std::uint32_t apart = apartIn(edge_);
+  const std::size_t shift = edge_ == 2 ? 0 : 1; // of every other node of a row, along x
+  // f(y, z, place in its block of a row's first node, or of the part-th)
   const auto forRows = [&](std::int64_t by, std::int64_t bz, auto&& f)
   {
-    for (const std::int64_t z : { 2 * bz, 2 * bz + 1 })
-      for (const std::int64_t y : { 2 * by, 2 * by + 1 })
-        if (y < size[1] && z < size[2])
-          f(y, z, static_cast<unsigned>(2 * (y & 1) + 4 * (z & 1)));
+    for (std::int64_t z = edge_ * bz; z < std::min(edge_ * (bz + 1), size[2]); ++z)
+      for (std::int64_t y = edge_ * by; y < std::min(edge_ * (by + 1), size[1]); ++y)
+        f(y, z, nodeOf({ 0, y, z }, edge_));
   };
-  forBlockRows(blocks,
-    [&](std::int64_t by, std::int64_t bz)
-    {
-      thread_local std::vector<float> row;
-      const auto at = static_cast<std::size_t>(blocks[0] * (by + blocks[1] * bz));
-      std::fill(level.b.begin() + level.start[at],
-        level.b.begin() + level.start[at + static_cast<std::size_t>(blocks[0])], 0.0F);
-      forRows(by, bz,
-        [&](std::int64_t y, std::int64_t z, unsigned node)
-        {
-          const int part = static_cast<int>((y + z) & 1); // the other colour was relaxed last
-          row.assign(static_cast<std::size_t>(blocks[0]), 0.0F);
-          field.addResidual(y, z, part, row.data());
-          for (std::size_t x = 0; x < row.size(); ++x)
+  // the piece of the i-th even (part 0) or odd node of a row, block `at` the first of it, and its block
+  const auto pieceOf = [&](std::size_t at, std::size_t i, std::size_t node, std::size_t part)
+  {
+    const std::size_t block = at + (i >> shift);
+    const std::uint32_t piece =
+      labelOf(labels_.data() + block * words, node + part + 2 * (i & ((std::size_t{ 1 } << shift) - 1)), edge_);
+    return piece == apart ? PieceLevel::none : level.start[block] + piece;
+  };
+  // the residual, summed over pieces; of one colour, as the other one was relaxed last
+  const auto restricted = [&]
+  {
+    forBlockRows(
+      blocks,
+      [&](std::int64_t by, std::int64_t bz)
+      {
+        thread_local std::vector<float> row;
+        const auto at = static_cast<std::size_t>(blocks[0] * (by + blocks[1] * bz));
+        std::fill(level.b.begin() + level.start[at],
+          level.b.begin() + level.start[at + static_cast<std::size_t>(blocks[0])], 0.0F);
+        forRows(
+          by, bz,
+          [&](std::int64_t y, std::int64_t z, std::size_t node)
           {
-            const std::uint32_t piece = (labels_[at + x] >> (4 * (node + static_cast<unsigned>(part)))) & apart;
-            if (piece != apart)
-              level.b[level.start[at + x] + piece] += row[x];
-          }
-        });
-    });
+            {
+              const int part = static_cast<int>((y + z) & 1);
+              row.assign(static_cast<std::size_t>((size[0] + 1 - part) / 2), 0.0F);
+              field.addResidual(y, z, part, row.data());
+              for (std::size_t x = 0; x < row.size(); ++x)
+                if (const std::uint32_t i = pieceOf(at, x, node, static_cast<std::size_t>(part)); i != PieceLevel::none)
+                  level.b[i] += row[x];
+            }
+          });
+      });
+  };
+  const auto add = [&]
+  {
+    forBlockRows(blocks,
+      [&](std::int64_t by, std::int64_t bz)
+      {
+        const auto at = static_cast<std::size_t>(blocks[0] * (by + blocks[1] * bz));
+        forRows(by, bz,
+          [&](std::int64_t y, std::int64_t z, std::size_t node)
+          {
+            for (const std::size_t part : { std::size_t{ 0 }, std::size_t{ 1 } })
+            {
+              float* v = field.halfRow(y, z, static_cast<int>(part));
+              const std::size_t n = (static_cast<std::size_t>(size[0]) + 1 - part) / 2;
+              for (std::size_t x = 0; x < n; ++x)
+                if (const std::uint32_t i = pieceOf(at, x, node, part); i != PieceLevel::none)
+                  v[x] += level.x[i];
+            }
+          });
+      });
+    field.exchange();
+  };
+  restricted();
   if (levels_.size() > 1)
     cycleTwice(0);
   else
     cycle(0);
-  forBlockRows(blocks,
-    [&](std::int64_t by, std::int64_t bz)
-    {
-      const auto at = static_cast<std::size_t>(blocks[0] * (by + blocks[1] * bz));
-      forRows(by, bz,
-        [&](std::int64_t y, std::int64_t z, unsigned node)
-        {
-          for (const unsigned part : { 0U, 1U })
-          {
-            float* v = field.halfRow(y, z, static_cast<int>(part));
-            const auto n = static_cast<std::size_t>((size[0] + 1 - part) / 2);
-            for (std::size_t x = 0; x < n; ++x)
-            {
-              const std::uint32_t piece = (labels_[at + x] >> (4 * (node + part))) & apart;
-              if (piece != apart)
-                v[x] += level.x[level.start[at + x] + piece];
-            }
-          }
-        });
-    });
-  field.exchange();
+  add();
 }
 
 } // namespace lamella::lbm

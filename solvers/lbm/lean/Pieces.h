@@ -7,6 +7,7 @@
 #include <Eigen/SparseCore>
 
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <vector>
 
@@ -27,7 +28,7 @@ struct PieceLevel
   std::vector<std::uint32_t> start; ///< the first unknown of each block, and their number
   std::vector<std::size_t> row;     ///< an unknown's first link, and their number
   std::vector<std::uint32_t> other;
-  std::vector<float> link;
+  std::vector<std::uint16_t> link;   ///< the upper half of a float: eight bits are enough for a correction
   std::vector<float> wall;           ///< links to fixed faces
   std::vector<float> inverse;        ///< 1 / Σ links and walls; 0 where there are none
   std::vector<std::uint32_t> coarse; ///< the unknown of the next level that this one is part of, or none
@@ -35,6 +36,15 @@ struct PieceLevel
   std::vector<float> b;              ///< right-hand side
   std::array<std::vector<float>, 3> work;
 
+  [[nodiscard]] float linkAt(std::size_t e) const noexcept
+  {
+    return std::bit_cast<float>(static_cast<std::uint32_t>(link[e]) << 16);
+  }
+  /// Rounded to nearest.
+  [[nodiscard]] static std::uint16_t packed(float link) noexcept
+  {
+    return static_cast<std::uint16_t>((std::bit_cast<std::uint32_t>(link) + 0x8000U) >> 16);
+  }
   [[nodiscard]] std::size_t count() const noexcept { return start.empty() ? 0 : start.back(); }
   [[nodiscard]] std::size_t withGhosts() const noexcept { return count() + halo.count(); }
   [[nodiscard]] std::size_t bytes() const noexcept;
@@ -61,9 +71,14 @@ public:
   /// One cycle for the field's residual, added to the field. After forward sweeps.
   void correct(LeanField& field);
   [[nodiscard]] std::size_t bytes() const noexcept;
+  /// Sweeps of the field that go well with it, before and after.
+  [[nodiscard]] int sweeps() const noexcept { return edge_ == 2 ? 3 : 8; }
+  /// Of the energy's excess a cycle may leave that much.
+  [[nodiscard]] double slowest() const noexcept { return edge_ == 2 ? 0.5 : 0.75; }
 
 private:
-  void label(const LeanField& field);
+  /// @param edge of a block, in nodes
+  void label(const LeanField& field, std::int64_t edge);
   template <class Gather>
   void link(PieceLevel& level, const Gather& gather) const;
   void linkFirst(const LeanField& field);
@@ -98,7 +113,8 @@ private:
   int axis_;
   int threads_;
   bool everyLink_ = false;            ///< only phases that do not conduct keep pieces apart
-  std::vector<std::uint32_t> labels_; ///< of each block's eight nodes, four bits each; 15: it does not conduct
+  std::int64_t edge_ = 2;             ///< of the finest level's blocks, in nodes
+  std::vector<std::uint32_t> labels_; ///< of each block's nodes, four bits each; 15: it is part of no piece
   std::vector<PieceLevel> levels_;
   std::vector<std::uint32_t> places_; ///< in the gathered level, of the ranks' unknowns in their order
   std::vector<std::uint32_t> own_;    ///< the same of this rank's and its ghosts
