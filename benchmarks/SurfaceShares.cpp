@@ -14,6 +14,7 @@
 #include "../tests/SphereShares.h"
 
 #include "core/Error.h"
+#include "lattice/LabelShares.h"
 #include "lbm/Shares.h"
 
 #include <fmt/format.h>
@@ -32,15 +33,7 @@ namespace
 using namespace lamella;
 using namespace lamella::benchmark;
 
-constexpr std::size_t levels = 255;
-
-std::vector<double> evenShares()
-{
-  std::vector<double> even;
-  for (std::size_t i = 0; i < levels; ++i)
-    even.push_back(static_cast<double>(i) / (levels - 1));
-  return even;
-}
+constexpr int levels = shareLevels;
 
 struct Truth
 {
@@ -100,6 +93,21 @@ lbm::DiffusionAnswer ofShares(std::int64_t n, double fraction, double contrast)
   return lbm::studyShares(image, evenShares(), 1, contrast, alongX(), MPI_COMM_SELF).front();
 }
 
+/// Labels: the phase that at least half of a share is.
+PhaseImage labelled(std::int64_t n, const std::vector<double>& share)
+{
+  PhaseImage image = cell(n);
+  for (const double s : share)
+    image.phase.push_back(s >= 0.5 ? 1 : 0);
+  return image;
+}
+
+lbm::DiffusionAnswer ofLabels(
+  std::int64_t n, const std::vector<double>& share, double contrast, const lbm::StudyOptions& study)
+{
+  return lbm::studyLabels(labelled(n, share), 1, { 1, contrast }, study, MPI_COMM_SELF).answers.front();
+}
+
 void spheres(const Keys& keys)
 {
   const std::vector<double> sizes =
@@ -107,6 +115,7 @@ void spheres(const Keys& keys)
   Table table(keys, "surface-shares", "spheres", "fraction,contrast,way,nodes,value,error,extrapolated_error,bar,held");
   int held = 0;
   int bars = 0;
+  int smoothHeld = 0;
   for (const Truth& t : truthsOf(text(keys, "truths", SPHERE_TRUTHS)))
   {
     const auto wanted = [&](const char* key, double value)
@@ -129,16 +138,25 @@ void spheres(const Keys& keys)
       const bool holds = std::abs(error(value)) <= bar;
       ++bars;
       held += holds ? 1 : 0;
+      const lbm::DiffusionAnswer labels = ofLabels(n, test::sphereShares(n, t.fraction), t.contrast, alongX());
+      const double smooth = labels.result.effective[0];
+      const double smoothBar = 100 * labels.error.relative;
+      const bool smoothHolds = std::abs(error(smooth)) <= smoothBar;
+      smoothHeld += smoothHolds ? 1 : 0;
       fmt::print("  {:>4}  voxels {:+8.3f} and extrapolated {:+8.3f}; shares {:+8.3f} and {:+8.3f}, bar {:.3f}{}\n", n,
         error(voxels), error(voxels2), error(value), error(shares.error.extrapolated), bar,
         holds ? "" : " does not hold");
+      fmt::print("        labels {:+8.3f} and extrapolated {:+8.3f}, bar {:.3f}{}\n", error(smooth),
+        error(labels.error.extrapolated), smoothBar, smoothHolds ? "" : " does not hold");
+      table.line(t.fraction, t.contrast, "labels", n, smooth, error(smooth), error(labels.error.extrapolated),
+        smoothBar, smoothHolds ? 1 : 0);
       table.line(t.fraction, t.contrast, "voxels", n, voxels, error(voxels), error(voxels2), "", "");
       table.line(
         t.fraction, t.contrast, "shares", n, value, error(value), error(shares.error.extrapolated), bar, holds ? 1 : 0);
       std::fflush(stdout);
     }
   }
-  fmt::print("bars held {} of {}\n", held, bars);
+  fmt::print("bars held {} of {}, of labels {}\n", held, bars, smoothHeld);
 }
 
 /// The part of each voxel inside a shape: of those whose corners or middle differ, by samples.
@@ -202,6 +220,12 @@ Shape randomShape(Random& random, int kind)
   };
 }
 
+double median(std::vector<double> v)
+{
+  std::ranges::sort(v);
+  return v[v.size() / 2];
+}
+
 void bars(const Keys& keys)
 {
   const int count = static_cast<int>(number(keys, "count", 90));
@@ -245,18 +269,74 @@ void bars(const Keys& keys)
       fmt::print("  kind {} of {} nodes, contrast {:g}: {:.5f}, bar {:.2f} %, truth {:.5f}, error {:.2f} %\n", kind, n,
         contrast, value, 100 * found.error.relative, truth, 100 * error);
   }
-  const auto median = [](std::vector<double> v)
-  {
-    std::ranges::sort(v);
-    return v[v.size() / 2];
-  };
   fmt::print("held {} of {}; bar over error {:.2g}, error {:.2g} %, of the extrapolated value {:.2g} % (medians)\n",
     held, count, median(ratios), 100 * median(errors), 100 * median(better));
 }
 
+/// Labels of shapes that nothing was tuned on, sampled at the middles of voxels: whole, smoothed, and exact shares.
+void labels(const Keys& keys)
+{
+  const int count = static_cast<int>(number(keys, "count", 60));
+  Random random(static_cast<std::uint64_t>(number(keys, "seed", 1)));
+  Table table(keys, "surface-shares", "labels",
+    "kind,nodes,contrast,truth,voxels,voxels_extrapolated,shares,shares_extrapolated,labels,labels_extrapolated,"
+    "lattice_bar,label_bar,held");
+  int held = 0;
+  std::array<std::vector<double>, 6> errors;
+  std::vector<double> ratios;
+  for (int i = 0; i < count; ++i)
+  {
+    const int kind = i % 3;
+    const Shape shape = randomShape(random, kind);
+    const double contrast = pick(random, { 1000.0, 30.0, 3.0, 0.3, 0.03, 0.001 });
+    const auto n = static_cast<std::int64_t>(24 + random() % 25);
+    lbm::StudyOptions study = alongX();
+    study.steady.sides = lbm::Sides::Insulated;
+    const auto exact = [&](std::int64_t across, bool estimate)
+    {
+      PhaseImage image = cell(across);
+      for (const double s : shares(across, shape))
+        image.phase.push_back(static_cast<std::uint8_t>(std::lround(s * (levels - 1))));
+      study.estimateError = estimate;
+      return lbm::studyShares(image, evenShares(), 1, contrast, study, MPI_COMM_SELF).front();
+    };
+    const auto whole = [&](std::int64_t across)
+    {
+      study.estimateError = false;
+      PhaseImage image = sampled(3, { across, across, across }, shape);
+      return std::pair(image,
+        lbm::studyDiffusion(image, std::vector{ 1.0, contrast }, study, MPI_COMM_SELF).front().result.effective[0]);
+    };
+    const double truth = 2 * exact(128, false).result.effective[0] - exact(64, false).result.effective[0];
+    const auto [image, voxels] = whole(n);
+    const double coarse = whole(n / 2).second;
+    const auto known = exact(n, true);
+    study.estimateError = true;
+    const auto found =
+      lbm::studyLabels(image, 1, { 1, contrast }, study, MPI_COMM_SELF).answers.front();
+    const double value = found.result.effective[0];
+    const std::array<double, 6> values{ voxels, 2 * voxels - coarse, known.result.effective[0],
+      known.error.extrapolated, value, found.error.extrapolated };
+    for (std::size_t k = 0; k < 6; ++k)
+      errors[k].push_back(std::abs(values[k] / truth - 1));
+    const bool holds = errors[4].back() <= found.error.relative;
+    held += holds ? 1 : 0;
+    ratios.push_back(found.error.relative / errors[4].back());
+    table.line(kind, n, contrast, truth, values[0], values[1], values[2], values[3], values[4], values[5],
+      found.error.lattice, found.error.picture, holds ? 1 : 0);
+    fmt::print("  kind {} {:>2} contrast {:>5g} truth {:.5f}; voxels {:+7.2f} {:+7.2f} shares {:+7.2f} {:+7.2f} labels {:+7.2f} {:+7.2f} % bar {:.2f} + {:.2f}{}\n", kind, n,
+        contrast, truth, 100*(values[0]/truth-1), 100*(values[1]/truth-1), 100*(values[2]/truth-1), 100*(values[3]/truth-1), 100*(values[4]/truth-1), 100*(values[5]/truth-1), 100 * found.error.lattice, 100*found.error.picture, holds ? "" : " !");
+    std::fflush(stdout);
+  }
+  fmt::print("held {} of {}; bar over error {:.2g} (median). Medians of errors: voxels {:.3f} %, extrapolated {:.3f}; "
+             "shares {:.3f}, extrapolated {:.3f}; labels {:.3f}, extrapolated {:.3f}\n",
+    held, count, median(ratios), 100 * median(errors[0]), 100 * median(errors[1]), 100 * median(errors[2]),
+    100 * median(errors[3]), 100 * median(errors[4]), 100 * median(errors[5]));
+}
+
 void run(const Keys& keys)
 {
-  runStudies(keys, { { "spheres", [&] { spheres(keys); } }, { "bars", [&] { bars(keys); } } });
+  runStudies(keys, { { "spheres", [&] { spheres(keys); } }, { "bars", [&] { bars(keys); } }, { "labels", [&] { labels(keys); } } });
 }
 
 } // namespace

@@ -1,7 +1,9 @@
 #include "lbm/Shares.h"
 
 #include "core/Error.h"
+#include "lattice/LabelShares.h"
 #include "lattice/SpacingError.h"
+#include "lattice/Subsample.h"
 
 #include <fmt/format.h>
 
@@ -61,22 +63,15 @@ namespace
 {
 
 constexpr double relativeStep = 1e-5; // of a conductivity, for differences of what links conduct
-constexpr int levels = 255;           // of mean shares
 constexpr std::int64_t fewestAcross = 3;
 // Change of a rule that is taken instead of that of a phase that leads from face to face; the former where it does so
 // by nodes that it fills.
 constexpr double farLess = 0.25;
 constexpr double someLess = 0.7;
 constexpr double nearlyFull = 0.98;
+// Of what labels of twice the spacing miss: it halves with the spacing, about (docs/benchmarks/volumes.md).
+constexpr double labelCertainty = 1;
 constexpr double mostlyMixed = 0.3; // surfaces lie so close that coarser nodes hardly tell them apart
-
-std::vector<double> evenShares()
-{
-  std::vector<double> share;
-  for (int i = 0; i < levels; ++i)
-    share.push_back(i / static_cast<double>(levels - 1));
-  return share;
-}
 
 // Nodes of twice the spacing, ids among evenShares(); of an odd side all but the last nodes.
 PhaseImage halved(const PhaseImage& image, std::span<const double> share)
@@ -104,9 +99,29 @@ PhaseImage halved(const PhaseImage& image, std::span<const double> share)
             for (std::int64_t i = 0; i < step[0]; ++i)
               sum += share[image.phase[static_cast<std::size_t>(
                 image.lattice.index(step[0] * x + i, step[1] * y + j, step[2] * z + k))]];
-        half.phase.push_back(static_cast<std::uint8_t>(std::lround(weight * sum * (levels - 1))));
+        half.phase.push_back(static_cast<std::uint8_t>(std::lround(weight * sum * (shareLevels - 1))));
       }
   return half;
+}
+
+// All but the last nodes of odd sides.
+Window evenPart(const Lattice& lattice)
+{
+  Window even;
+  if (lattice.dimension == 2)
+    even.start[1] = lattice.size[1] % 2; // from the top row, which is the last one
+  for (std::size_t a = 0; a < 3; ++a)
+    even.size[a] = std::max<std::int64_t>(1, lattice.size[a] / 2 * 2);
+  return even;
+}
+
+// Shares from labels, ids among evenShares().
+PhaseImage smoothed(const PhaseImage& labels, std::uint8_t second, Sides sides, int axis, int threads)
+{
+  std::array<bool, 3> wraps{};
+  for (int a = 0; a < 3; ++a)
+    wraps[static_cast<std::size_t>(a)] = sides == Sides::Periodic || (sides == Sides::Mixed && a != axis);
+  return { labels.lattice, labelShares(labels.lattice, labels.phase, second, wraps, threads), {} };
 }
 
 class ShareStudy
@@ -121,7 +136,9 @@ public:
   {
   }
 
-  DiffusionAnswer along(int axis, const PhaseImage& image, std::span<const double> share)
+  /// @param seen  what labels of twice the spacing, each from other nodes, make of the same; ids among evenShares()
+  DiffusionAnswer along(
+    int axis, const PhaseImage& image, std::span<const double> share, std::span<const PhaseImage> seen = {})
   {
     DiffusionAnswer answer;
     answer.axis = axis;
@@ -179,34 +196,51 @@ public:
       return answer; // or too few nodes to tell
     const double value = valueOf(answer.result, axis);
     double fine = value; // of what the coarse picture shows
-    bool odd = false;
-    Window even;
-    for (int a = 0; a < image.lattice.dimension; ++a)
-    {
-      even.size[static_cast<std::size_t>(a)] = std::max<std::int64_t>(1, image.lattice.size[a] / 2 * 2);
-      odd = odd || even.size[static_cast<std::size_t>(a)] != image.lattice.size[a];
-    }
-    if (odd)
+    const Window even = evenPart(image.lattice);
+    if (even.size != image.lattice.size)
       fine = valueOf(solve(answer, crop(image, even), share, rule, 1, false), axis);
     solveCoarse(rule);
     const SpacingError error = spacingError(fine, *coarse[at(rule)], whole ? coarser[at(rule)] : std::nullopt);
     answer.error.relative = std::max(error.bar, doubt) / fine + answer.result.solverError;
     answer.error.lattice = answer.error.relative;
     answer.error.picture = 0;
+    double squares = 0;
+    for (const PhaseImage& labels : seen)
+      squares += std::pow(valueOrNone(answer, labels, shares, rule) / *coarse[at(rule)] - 1, 2);
+    if (!seen.empty())
+    {
+      answer.error.picture = labelCertainty * std::sqrt(squares / static_cast<double>(seen.size()));
+      answer.error.relative = answer.error.lattice + answer.error.picture;
+    }
     answer.error.extrapolated = value / fine * error.extrapolated;
     return answer;
   }
 
-private:
   // Without a rest, or leaving the last nodes of odd sides out; half of them have to tell something.
   static bool canHalve(const Lattice& lattice, bool whole)
   {
     return std::ranges::all_of(
       lattice.size, [whole](std::int64_t n) { return n == 1 || (n / 2 >= fewestAcross && (!whole || n % 2 == 0)); });
   }
+
+private:
   static double valueOf(const SteadyResult& result, int axis)
   {
     return result.effective[static_cast<std::size_t>(axis)];
+  }
+
+  // 0 where nothing leads from face to face.
+  double valueOrNone(
+    DiffusionAnswer& answer, const PhaseImage& image, std::span<const double> share, AcrossSurface rule) const
+  {
+    try
+    {
+      return valueOf(solve(answer, image, share, rule, 2, false), answer.axis);
+    }
+    catch (const NoPathError&)
+    {
+      return 0;
+    }
   }
 
   // By nodes of which it has at least so much.
@@ -389,6 +423,45 @@ std::vector<DiffusionAnswer> studyShares(const PhaseImage& image, std::span<cons
   for (const int axis : options.axes)
     answers.push_back(study.along(axis, image, share));
   return answers;
+}
+
+LabelAnswers studyLabels(const PhaseImage& labels, std::uint8_t second, const std::array<double, 2>& conductivity,
+  const StudyOptions& options, MPI_Comm comm, const FieldSink& sink)
+{
+  ShareStudy study(conductivity[0], conductivity[1], options, comm, sink);
+  const std::vector<double> share = evenShares();
+  const Sides sides = options.steady.sides;
+  LabelAnswers found;
+  PhaseImage image;
+  std::vector<PhaseImage> seen;
+  for (const int axis : options.axes)
+  {
+    if (image.phase.empty() || sides == Sides::Mixed) // which goes on elsewhere along each axis
+    {
+      image = smoothed(labels, second, sides, axis, options.steady.threads);
+      seen.clear();
+      if (options.estimateError && ShareStudy::canHalve(labels.lattice, false))
+      {
+        const PhaseImage even = crop(labels, evenPart(labels.lattice));
+        for (const std::int64_t first : { 0, 1 })
+        {
+          std::array<std::int64_t, 3> start{};
+          for (std::size_t a = 0; a < 3; ++a)
+            start[a] = even.lattice.size[a] > 1 ? first : 0;
+          seen.push_back(smoothed(subsample(even, start, 2), second, sides, axis, options.steady.threads));
+        }
+      }
+    }
+    found.answers.push_back(study.along(axis, image, share, seen));
+    if (found.answers.size() == 1)
+    {
+      std::int64_t sum = 0;
+      for (const std::uint8_t id : image.phase)
+        sum += id;
+      found.second = static_cast<double>(sum) / ((shareLevels - 1) * static_cast<double>(image.phase.size()));
+    }
+  }
+  return found;
 }
 
 } // namespace lamella::lbm

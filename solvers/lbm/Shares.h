@@ -54,4 +54,22 @@ enum class AcrossSurface
 [[nodiscard]] std::vector<DiffusionAnswer> studyShares(const PhaseImage& image, std::span<const double> share,
   double first, double second, const StudyOptions& options, MPI_Comm comm, const FieldSink& sink = {});
 
+struct LabelAnswers
+{
+  std::vector<DiffusionAnswer> answers; ///< by axis
+  double second = 0;                    ///< the second phase's part of the picture, by the shares
+};
+
+/// The whole job for labels of two phases: studyShares() of what labelShares() makes of them. Periodic sides wrap.
+///
+/// error.picture is what the labels may err by: twice the spacing once more, from labels of every second node, smoothed,
+/// at two places; the root of the mean square of how far these are from the mean shares of all labels.
+///
+/// @param labels the whole picture, the same on every rank; ids other than `second` are the first phase
+/// @param conductivity of the first and of the second phase
+/// @param options as of studyShares()
+/// @throws what studyShares() throws
+[[nodiscard]] LabelAnswers studyLabels(const PhaseImage& labels, std::uint8_t second,
+  const std::array<double, 2>& conductivity, const StudyOptions& options, MPI_Comm comm, const FieldSink& sink = {});
+
 } // namespace lamella::lbm

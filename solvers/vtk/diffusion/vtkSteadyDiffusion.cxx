@@ -84,6 +84,28 @@ std::string storePhases(vtkImageData* output, const lamella::PhaseIds& phases, c
   return name;
 }
 
+/// Derivatives of two phases as those of all ids, of which they are the a-th and the b-th.
+void spread(lbm::DiffusionAnswer& answer, std::size_t ids, std::size_t a, std::size_t b)
+{
+  const auto pairs = [&](std::vector<double>& of)
+  {
+    if (of.empty())
+      return;
+    std::vector<double> all(ids * ids, 0.0);
+    all[a * ids + b] = of[1];
+    of = std::move(all);
+  };
+  pairs(answer.surfaces.shift);
+  pairs(answer.surfaces.area);
+  if (std::vector<double>& along = answer.derivatives.along; !along.empty())
+  {
+    std::vector<double> all(ids, 0.0);
+    all[a] = along[0];
+    all[b] = along[1];
+    along = std::move(all);
+  }
+}
+
 /// Applies f to each number.
 template <class F>
 void change(vtkDoubleArray* array, F&& f)
@@ -103,6 +125,7 @@ struct vtkSteadyDiffusion::Internals
   // Of the update that is under way.
   std::vector<double> Values; ///< by id: what is stored where it is above 0
   std::vector<double> Shares; ///< by id: the part of a node in the phase `high`; empty: ids are phases
+  std::vector<std::size_t> Smoothed; ///< ids of the two phases whose labels are smoothed; empty: they are not
   std::shared_ptr<lbm::DirectedDiffusivity> Directed;
   lbm::SteadyOptions Steady;
   std::vector<int> Axes;
@@ -413,6 +436,7 @@ int vtkSteadyDiffusion::RequestData(
     outputVector);
   this->Internal->Directed.reset();
   this->Internal->Shares.clear();
+  this->Internal->Smoothed.clear();
   this->Internal->Steady = {};
   return done;
 }
@@ -429,13 +453,17 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   if (shares && !(std::abs(this->Shares[1] - this->Shares[0]) > 0))
     throw lamella::ParameterError(
       fmt::format("greys of none and of all that are both {:g}", this->Shares[0]), "give the greys of the two phases");
-  if (shares && (this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty()))
-    throw lamella::ParameterError(
-      "greys as shares of two phases, with pixels that are split or conduct along and across",
+  if (this->SmoothLabels && (shares || this->Interpolate))
+    throw lamella::ParameterError("smoothed labels of an image that is grey", "take one of them");
+  const bool parts = shares || this->SmoothLabels;
+  const std::string what = shares ? "greys as shares of two phases" : "smoothed labels";
+  if (parts && (this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty()))
+    throw lamella::ParameterError(what + ", with pixels that are split or conduct along and across",
       "leave out the refinement, the target error and the second conductivity: two spacings give the error");
-  if (shares && this->EstimateWindowError)
-    throw lamella::ParameterError("greys as shares of two phases, with a window error",
-      "leave one of them out: the windows of phases, thresholded, tell the same");
+  if (parts && this->EstimateWindowError)
+    throw lamella::ParameterError(what + ", with a window error",
+      shares ? "leave one of them out: the windows of phases, thresholded, tell the same"
+             : "leave one of them out: the windows of whole voxels tell the same");
   if (this->Interpolate && (shares || !this->Internal->Across.empty()))
     throw lamella::ParameterError("interpolated conductivities with shares, or along and across", "take one of them");
   if (this->TellsSurfaces() && (this->Interpolate || !this->Internal->Across.empty()))
@@ -454,7 +482,7 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
         bins = lamella::GreyBins::even(this->Shares[0], this->Shares[1]);
     });
   const bool gathered = this->EstimateError || this->EstimateWindowError || this->Refinement > 1 ||
-    this->TargetError > 0 || !this->Internal->Across.empty() || shares;
+    this->TargetError > 0 || !this->Internal->Across.empty() || parts;
   const lamella::DiffusionScene scene(
     input, this->GetInputArrayInformation(0), this->Direction, team, gathered, lamella::Voxels::Any, bins);
   if (table)
@@ -503,6 +531,8 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
         lamella::uncertaintyById(scene.phases, internal.Conductivity, nullptr, internal.Uncertainty, scene.nodes);
       found.acrossUncertainty = lamella::uncertaintyById(
         scene.phases, internal.Conductivity, &internal.Across, internal.AcrossUncertainty, scene.nodes);
+      if (this->SmoothLabels)
+        this->TakeLabels(scene);
       if (!found.across.empty() && this->Lattice == D2Q9 && this->TellsSensitivity())
         throw lamella::ParameterError("sensitivities to conductivities along and across walls on d2q9",
           "take q1, or leave the choice of the lattice");
@@ -672,6 +702,23 @@ void vtkSteadyDiffusion::TakeShares(const lamella::DiffusionScene& scene)
     internal.Values.push_back(share * found.conductivity[1] + (1 - share) * found.conductivity[0]);
 }
 
+// Which two phases there are.
+void vtkSteadyDiffusion::TakeLabels(const lamella::DiffusionScene& scene)
+{
+  std::vector<std::size_t>& two = this->Internal->Smoothed;
+  std::string names;
+  for (std::size_t id = 0; id < scene.nodes.size(); ++id)
+    if (scene.nodes[id] > 0)
+    {
+      two.push_back(id);
+      names += (names.empty() ? "" : ", ") + scene.phases.names[id];
+    }
+  if (two.size() != 2)
+    throw lamella::InputError(
+      fmt::format("smoothed labels of {} phase{}: {}", two.size(), two.size() == 1 ? "" : "s", names),
+      "give an image of two phases, or take its voxels as they are");
+}
+
 void vtkSteadyDiffusion::SolveInBlocks(
   const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team)
 {
@@ -748,6 +795,19 @@ void vtkSteadyDiffusion::SolveGathered(
     { store.take(solver, answer.axis, lattice, block); };
   }
   const std::vector<double>& k = internal.Found.conductivity;
+  if (!internal.Smoothed.empty())
+  {
+    const std::size_t a = internal.Smoothed[0];
+    const std::size_t b = internal.Smoothed[1];
+    lbm::LabelAnswers found =
+      lbm::studyLabels(scene.image, static_cast<std::uint8_t>(b), { k[a], k[b] }, study, team.comm(), take);
+    for (lbm::DiffusionAnswer& answer : found.answers)
+      spread(answer, k.size(), a, b);
+    internal.Found.answers = std::move(found.answers);
+    internal.Found.fractions[a] = 1 - found.second;
+    internal.Found.fractions[b] = found.second;
+    return;
+  }
   internal.Found.answers = internal.Shares.empty()
     ? lbm::studyDiffusion(scene.image, internal.Values, study, team.comm(), take)
     : lbm::studyShares(scene.image, internal.Shares, k[0], k[1], study, team.comm(), take);
@@ -774,7 +834,7 @@ void vtkSteadyDiffusion::Conclude()
       {
         vtkWarningMacro("the error along "
           << lamella::axisNames[static_cast<std::size_t>(answer.axis)] << " could not be estimated: "
-          << (found.shares ? "voxels of twice the size would be too few"
+          << (found.shares || this->SmoothLabels ? "voxels of twice the size would be too few"
                            : "the middle of the sample, which is solved for it, has no conducting path"));
       }
     }

@@ -177,6 +177,14 @@ public:
   vtkSettingVector2Macro(Shares, double, 0, 0);
 
   /**
+   * Draw a smooth surface through the staircase of voxels between two phases, of which the image must consist, and solve
+   * by how much of each voxel either fills, as the greys of both would tell: far nearer to the material than whole
+   * voxels. Volumes neither grow nor shrink; every voxel stays more than half of its own phase.
+   * @group Materials
+   */
+  vtkSwitchMacro(SmoothLabels, false);
+
+  /**
    * The image is grey, and conductivities are given of greys instead of phases, 0.1 of 40 and 1 of 220: between two of
    * them it is interpolated linearly, beyond the outermost it stays. Greys may be of any type; more than 256 are put
    * into bins that are told.
@@ -344,6 +352,7 @@ private:
   void Solve(vtkImageData* input, vtkImageData* output, const lamella::Team& team);
   /// What of the settings and the image the solver takes. @throws Error on every rank
   void TakeShares(const lamella::DiffusionScene& scene);
+  void TakeLabels(const lamella::DiffusionScene& scene);
   void TakeGreys(const lamella::DiffusionScene& scene, const lamella::GreyTable& table);
   void Prepare(vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team);
   void SolveInBlocks(const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team);
