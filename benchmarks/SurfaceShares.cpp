@@ -312,8 +312,7 @@ void labels(const Keys& keys)
     const double coarse = whole(n / 2).second;
     const auto known = exact(n, true);
     study.estimateError = true;
-    const auto found =
-      lbm::studyLabels(image, 1, { 1, contrast }, study, MPI_COMM_SELF).answers.front();
+    const auto found = lbm::studyLabels(image, 1, { 1, contrast }, study, MPI_COMM_SELF).answers.front();
     const double value = found.result.effective[0];
     const std::array<double, 6> values{ voxels, 2 * voxels - coarse, known.result.effective[0],
       known.error.extrapolated, value, found.error.extrapolated };
@@ -324,8 +323,11 @@ void labels(const Keys& keys)
     ratios.push_back(found.error.relative / errors[4].back());
     table.line(kind, n, contrast, truth, values[0], values[1], values[2], values[3], values[4], values[5],
       found.error.lattice, found.error.picture, holds ? 1 : 0);
-    fmt::print("  kind {} {:>2} contrast {:>5g} truth {:.5f}; voxels {:+7.2f} {:+7.2f} shares {:+7.2f} {:+7.2f} labels {:+7.2f} {:+7.2f} % bar {:.2f} + {:.2f}{}\n", kind, n,
-        contrast, truth, 100*(values[0]/truth-1), 100*(values[1]/truth-1), 100*(values[2]/truth-1), 100*(values[3]/truth-1), 100*(values[4]/truth-1), 100*(values[5]/truth-1), 100 * found.error.lattice, 100*found.error.picture, holds ? "" : " !");
+    fmt::print("  kind {} {:>2} contrast {:>5g} truth {:.5f}; voxels {:+7.2f} {:+7.2f} shares {:+7.2f} {:+7.2f} labels "
+               "{:+7.2f} {:+7.2f} % bar {:.2f} + {:.2f}{}\n",
+      kind, n, contrast, truth, 100 * (values[0] / truth - 1), 100 * (values[1] / truth - 1),
+      100 * (values[2] / truth - 1), 100 * (values[3] / truth - 1), 100 * (values[4] / truth - 1),
+      100 * (values[5] / truth - 1), 100 * found.error.lattice, 100 * found.error.picture, holds ? "" : " !");
     std::fflush(stdout);
   }
   fmt::print("held {} of {}; bar over error {:.2g} (median). Medians of errors: voxels {:.3f} %, extrapolated {:.3f}; "
@@ -336,7 +338,8 @@ void labels(const Keys& keys)
 
 void run(const Keys& keys)
 {
-  runStudies(keys, { { "spheres", [&] { spheres(keys); } }, { "bars", [&] { bars(keys); } }, { "labels", [&] { labels(keys); } } });
+  runStudies(keys,
+    { { "spheres", [&] { spheres(keys); } }, { "bars", [&] { bars(keys); } }, { "labels", [&] { labels(keys); } } });
 }
 
 } // namespace

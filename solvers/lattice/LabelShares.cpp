@@ -18,6 +18,7 @@ namespace
 
 using Level = std::int16_t;
 constexpr float levelUnit = 1.0F / 16000; // levels lie within about ±1.3
+constexpr int little = 1600;              // levels, for what second differences add
 constexpr float leastLevel = 2e-3F;
 constexpr float leastSlope = 0.05F;
 constexpr float leastArea = 1e-3F;
@@ -153,7 +154,8 @@ void blurred(const Grid& grid, Fill&& fill, Sink&& sink)
             {
               float* const to = out.data() + f * nx;
               if (deep)
-                blend<radius>(tap, nx, [&](int k) { return planeOf(done + k, f) + r * nx; }, to);
+                blend<radius>(
+                  tap, nx, [&](int k) { return planeOf(done + k, f) + r * nx; }, to);
               else
                 std::copy_n(planeOf(done, f) + r * nx, nx, to);
             }
@@ -177,8 +179,8 @@ double shareOf(const Quadric& q, bool deep) noexcept
 {
   const auto size = [](const std::array<float, 3>& v) { return std::abs(v[0]) + std::abs(v[1]) + std::abs(v[2]); };
   if (size(q.bend) + 2 * size(q.twist) < gentle * size(q.slope))
-    return cubeShare(q.value + (q.bend[0] + q.bend[1] + q.bend[2]) * (1.0F / 24),
-      { q.slope[0], q.slope[1], q.slope[2] });
+    return cubeShare(
+      q.value + (q.bend[0] + q.bend[1] + q.bend[2]) * (1.0F / 24), { q.slope[0], q.slope[1], q.slope[2] });
   const auto octant = [&](float x, float y, float z)
   {
     const float bend = q.bend[0] + q.bend[1] + (deep ? q.bend[2] : 0);
@@ -288,15 +290,16 @@ private:
           const std::int64_t high = x < nx - 1 ? x + 1 : grid_.behind();
           const auto at = [](const Level* row, std::int64_t i) { return static_cast<int>(row[i]); };
           const int own = at(f, x);
-          const int most1 = std::abs(at(f, high) - own) + std::abs(own - at(f, low)) +
-            std::abs(at(rows[5], x) - own) + std::abs(own - at(rows[3], x)) + std::abs(at(rows[7], x) - own) +
-            std::abs(own - at(rows[1], x));
-          if (2 * std::abs(own) > most1 + 1600) // no surface within half a node along every axis
+          const int reach = std::abs(at(f, high) - own) + std::abs(own - at(f, low)) + std::abs(at(rows[5], x) - own) +
+            std::abs(own - at(rows[3], x)) + std::abs(at(rows[7], x) - own) + std::abs(own - at(rows[1], x));
+          if (2 * std::abs(own) > reach + little) // no surface within half a node along every axis
           {
             share_[from + x] = second ? most : 0;
             continue;
           }
-          const auto value = [&](const Level* row, std::int64_t i) { return levelUnit * static_cast<float>(row[i]); };
+          // Of the node's own phase, so that swapping the labels swaps the shares.
+          const float unit = second ? levelUnit : -levelUnit;
+          const auto value = [unit](const Level* row, std::int64_t i) { return unit * static_cast<float>(row[i]); };
           Quadric q;
           q.value = value(f, x);
           const auto differences = [&](std::size_t a, float less, float more)
@@ -312,8 +315,8 @@ private:
           q.twist[0] = twisted(value(rows[3], low), value(rows[3], high), value(rows[5], low), value(rows[5], high));
           q.twist[1] = twisted(value(rows[1], low), value(rows[1], high), value(rows[7], low), value(rows[7], high));
           q.twist[2] = twisted(value(rows[0], x), value(rows[2], x), value(rows[6], x), value(rows[8], x));
-          const int share = static_cast<int>(std::lround(most * shareOf(q, deep)));
-          share_[from + x] = static_cast<std::uint8_t>(second ? std::max(share, half + 1) : std::min(share, half - 1));
+          const int share = std::max(static_cast<int>(std::lround(most * shareOf(q, deep))), half + 1);
+          share_[from + x] = static_cast<std::uint8_t>(second ? share : most - share);
         }
       });
   }
@@ -323,8 +326,8 @@ private:
   {
     const std::int64_t nx = grid_.size[0];
     std::swap(level_, other_);
-    const auto slope = [&](const auto* own, const auto* low, const auto* high, const auto* below, const auto* above,
-                         std::int64_t x)
+    const auto slope =
+      [&](const auto* own, const auto* low, const auto* high, const auto* below, const auto* above, std::int64_t x)
     {
       const std::int64_t l = x > 0 ? x - 1 : grid_.before();
       const std::int64_t h = x < nx - 1 ? x + 1 : grid_.behind();

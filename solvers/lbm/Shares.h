@@ -62,8 +62,9 @@ struct LabelAnswers
 
 /// The whole job for labels of two phases: studyShares() of what labelShares() makes of them. Periodic sides wrap.
 ///
-/// error.picture is what the labels may err by: twice the spacing once more, from labels of every second node, smoothed,
-/// at two places; the root of the mean square of how far these are from the mean shares of all labels.
+/// error.picture is what the labels may err by, added to what shares may: twice the spacing once more, from labels of
+/// every second node, smoothed, beginning at two nodes; 0.75 times the root of the mean square of how far these are
+/// from the mean shares of all labels. How often both hold: docs/benchmarks/volumes.md.
 ///
 /// @param labels the whole picture, the same on every rank; ids other than `second` are the first phase
 /// @param conductivity of the first and of the second phase

@@ -77,6 +77,32 @@ class Answers(Case):
             self.assertIn(refused.code, (2, 3))
             self.assertIn(text, refused.err)
 
+    def test_labels_are_smoothed(self):
+        n, radius = 24, 7.3
+        ball = lambda x, y, z: math.dist((x, y, z), (11.6, 11.2, 11.9)) < radius  # noqa: E731
+        self.write("ball_24x24x24_u8.raw", bytes(ball(x, y, z) for z in range(n) for y in range(n) for x in range(n)))
+        words = ["ball_24x24x24_u8.raw", "--phase", "0=matrix", "--phase", "1=ball", "--conductivity", "matrix=1,ball=10", "--direction", "z", "--sides", "mixed"]
+        plain = self.solve(*words)
+        smooth = self.solve(*words, "--smooth-labels")
+        # Maxwell's for a fraction of 0.118, to which other spheres add 0.1 %
+        fraction = 4 / 3 * math.pi * radius**3 / n**3
+        exact = (1 + 2 * fraction * 0.75) / (1 - fraction * 0.75)
+        self.assertAlmostEqual(smooth["extrapolated"]["z"] / exact, 1, delta=4e-3)
+        self.assertLess(abs(smooth["effective"]["z"] / exact - 1), smooth["estimated_error"])
+        self.assertAlmostEqual(smooth["phases"][1]["fraction"] / plain["phases"][1]["fraction"], 1, delta=5e-3)
+        self.assertEqual([phase["name"] for phase in smooth["phases"]], ["matrix", "ball"])
+        many = self.run_lamella("diffusion", *words, "--smooth-labels", "--json", "--threads", "2", ranks=2).json()
+        self.assertAlmostEqual(many["effective"]["z"] / smooth["effective"]["z"], 1, delta=1e-7)
+        self.assertAlmostEqual(many["estimated_error"] / smooth["estimated_error"], 1, delta=1e-4)
+        for more, text in [
+            (["--refine", "2"], "smoothed labels, with pixels that are split"),
+            (["--window-error"], "smoothed labels, with a window error"),
+            (["--shares", "0,1"], "smoothed labels of an image that is grey"),
+        ]:
+            refused = self.run_lamella("diffusion", *words, "--smooth-labels", *more)
+            self.assertEqual(refused.code, 2, refused.err)
+            self.assertIn(text, refused.err)
+
     def test_every_documented_key_is_there(self):
         self.works("generate", "softwood", "--size", "60,50", "-o", "t.png")
         answer = self.solve("t.png", *CONDUCTIVITIES, "--threads", "2")

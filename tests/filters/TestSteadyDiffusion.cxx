@@ -189,6 +189,81 @@ TEST(SteadyDiffusion, SharesComeFromGreysOfAnyType)
   EXPECT_NE(errorOf(filter).find("no numbers"), std::string::npos);
 }
 
+/// A ball of whole voxels, of a material of three phases of which one has no nodes.
+vtkSmartPointer<vtkImageData> labelledBall(int inside, int outside)
+{
+  return picture(
+    24, 24, 24,
+    [=](int x, int y, int z)
+    { return std::hypot(x - 11.2, y - 11.7, z - 11.4) < 8.8 ? inside : outside; }); // NOLINT(readability-magic-numbers)
+}
+
+TEST(SteadyDiffusion, LabelsAreSmoothedWhateverTheirIds)
+{
+  // Greys of greyBall() are half of each 8.8 from its middle: the same ball. Labels know it but for the noise of
+  // voxels, 0.29/√area of a voxel or 0.1 % of the volume, and a linear rim is no share of a sphere: 1 % in all.
+  const double greys = conductivityOfBall(greyBall<vtkFloatArray>(0, 1), 0, 1);
+  const auto found = [&](int inside, int outside, bool smooth)
+  {
+    const auto filter = solver(labelledBall(inside, outside), vtkSteadyDiffusion::X);
+    filter->SetConductivity(inside == 1 ? "b" : "a", 10);
+    filter->SetConductivity(inside == 1 ? "a" : "b", 1);
+    filter->SetSmoothLabels(smooth);
+    filter->ComputeSensitivityOn();
+    EXPECT_EQ(errorOf(filter), "");
+    vtkImageData* const output = filter->GetOutput();
+    const double k = filter->GetEffectiveConductivity()[0];
+    const std::vector<double> by = fieldNumbers(output, "conductivity_sensitivity");
+    const std::size_t ball = inside == 1 ? 3 : 0;
+    EXPECT_NEAR(10 * by[ball] + by[3 - ball], k, 1e-4 * k);
+    EXPECT_NEAR(fieldNumbers(output, "phase_fraction")[inside == 1 ? 1 : 0], 0.2065, 0.002); // 4/3 π 8.8³ / 24³
+    const std::vector<double> bounds = fieldNumbers(output, "bounds");
+    EXPECT_GT(k, bounds.front());
+    EXPECT_LT(k, bounds.back());
+    if (smooth)
+      EXPECT_NEAR(fieldNumbers(output, "estimated_error").at(0),
+        fieldNumbers(output, "lattice_error").at(0) + fieldNumbers(output, "picture_error").at(0), 1e-12);
+    return k;
+  };
+  const double labels = found(1, 0, true);
+  EXPECT_NEAR(labels, greys, 0.01 * greys);
+  EXPECT_NEAR(found(0, 1, true), labels, 1e-7 * labels);      // the tolerance is 1e-8
+  EXPECT_GT(std::abs(found(1, 0, false) / labels - 1), 1e-4); // whole voxels are something else
+}
+
+TEST(SteadyDiffusion, LabelsThatCannotBeSmoothedAreRefused)
+{
+  const auto refused = [](const vtkSmartPointer<vtkImageData>& image, auto&& change)
+  {
+    const auto filter = solver(image, vtkSteadyDiffusion::X);
+    filter->SmoothLabelsOn();
+    change(filter);
+    return errorOf(filter);
+  };
+  const vtkSmartPointer<vtkImageData> two = picture(12, 8, 6, layersAcrossX);
+  const auto nothing = [](vtkSteadyDiffusion*) {};
+  EXPECT_EQ(refused(two, nothing), "");
+  EXPECT_NE(refused(picture(
+                      12, 8, 6, [](int, int, int) { return 1; }),
+              nothing)
+              .find("smoothed labels of 1 phase: b"),
+    std::string::npos);
+  EXPECT_NE(refused(
+              picture(
+                12, 8, 6, [](int x, int, int) { return x % 3; }),
+              [](vtkSteadyDiffusion* filter) { filter->SetConductivity("c", 3); })
+              .find("smoothed labels of 3 phases: a, b, c"),
+    std::string::npos);
+  for (const auto& [words, change] :
+    std::vector<std::pair<std::string, void (*)(vtkSteadyDiffusion*)>>{
+      { "smoothed labels of an image that is grey", [](vtkSteadyDiffusion* f) { f->SetShares(0, 1); } },
+      { "smoothed labels of an image that is grey", [](vtkSteadyDiffusion* f) { f->SetInterpolate(true); } },
+      { "smoothed labels, with a window error", [](vtkSteadyDiffusion* f) { f->EstimateWindowErrorOn(); } },
+      { "smoothed labels, with pixels that are split", [](vtkSteadyDiffusion* f) { f->SetRefinement(2); } },
+      { "smoothed labels, with pixels that are split", [](vtkSteadyDiffusion* f) { f->SetTargetError(0.01); } } })
+    EXPECT_NE(refused(two, change).find(words), std::string::npos) << words;
+}
+
 /// Layers across x, each of a grey of its own: in series across, in parallel along; bins err by less than they tell.
 TEST(SteadyDiffusion, ConductivitiesAreInterpolatedBetweenGreys)
 {

@@ -434,6 +434,11 @@ class Diffusion(unittest.TestCase):
         np.testing.assert_allclose(np.diag(lamella.diffusion((60000 * greys).astype(np.uint16), **words).effective), between, rtol=1e-3)
         shares = lamella.diffusion(greys, {"low": 1, "high": 5}, shares=(0, 1), estimate_error=False)
         self.assertGreater(shares.effective[0, 0], 1)
+        labels = (greys > 0.5).astype(np.uint8)
+        smooth = lamella.diffusion(labels, {0: 1, 1: 5}, smooth_labels=True, direction="x", field=False, flux=False)
+        self.assertGreater(smooth.estimated_error, 0)
+        with self.assertRaisesRegex(lamella.InputError, "smoothed labels of 3 phases"):
+            lamella.diffusion(labels + (greys > 0.9), {0: 1, 1: 5, 2: 3}, smooth_labels=True)
         with self.assertRaisesRegex(lamella.LamellaError, "no numbers"):
             lamella.diffusion(np.where(greys > 0.99, np.nan, greys), {0: 1, 1: 5}, interpolate=True)
         with self.assertRaisesRegex(ValueError, "complex"):

@@ -123,8 +123,8 @@ struct vtkSteadyDiffusion::Internals
   std::map<std::string, double> AcrossUncertainty;
 
   // Of the update that is under way.
-  std::vector<double> Values; ///< by id: what is stored where it is above 0
-  std::vector<double> Shares; ///< by id: the part of a node in the phase `high`; empty: ids are phases
+  std::vector<double> Values;        ///< by id: what is stored where it is above 0
+  std::vector<double> Shares;        ///< by id: the part of a node in the phase `high`; empty: ids are phases
   std::vector<std::size_t> Smoothed; ///< ids of the two phases whose labels are smoothed; empty: they are not
   std::shared_ptr<lbm::DirectedDiffusivity> Directed;
   lbm::SteadyOptions Steady;
@@ -834,8 +834,9 @@ void vtkSteadyDiffusion::Conclude()
       {
         vtkWarningMacro("the error along "
           << lamella::axisNames[static_cast<std::size_t>(answer.axis)] << " could not be estimated: "
-          << (found.shares || this->SmoothLabels ? "voxels of twice the size would be too few"
-                           : "the middle of the sample, which is solved for it, has no conducting path"));
+          << (found.shares || this->SmoothLabels
+                 ? "voxels of twice the size would be too few"
+                 : "the middle of the sample, which is solved for it, has no conducting path"));
       }
     }
   }

@@ -177,9 +177,9 @@ public:
   vtkSettingVector2Macro(Shares, double, 0, 0);
 
   /**
-   * Draw a smooth surface through the staircase of voxels between two phases, of which the image must consist, and solve
-   * by how much of each voxel either fills, as the greys of both would tell: far nearer to the material than whole
-   * voxels. Volumes neither grow nor shrink; every voxel stays more than half of its own phase.
+   * Draw a smooth surface through the staircase of voxels between two phases, of which the image must consist, and
+   * solve by how much of each voxel either fills, as the greys of both would tell: far nearer to the material than
+   * whole voxels. Volumes neither grow nor shrink; every voxel stays more than half of its own phase.
    * @group Materials
    */
   vtkSwitchMacro(SmoothLabels, false);
