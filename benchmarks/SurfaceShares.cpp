@@ -1,11 +1,13 @@
-// study=spheres, bars; all unless told.
+// study=spheres, bars, labels, geometry; all unless told.
 //
-// spheres: how near plain voxels come to the material, and voxels that know their share of a phase: simple cubic array
-// of spheres, by fraction, contrast (sphere over matrix; 1e6 for infinity) and voxels across; each also extrapolated
-// from these and half as many; and whether the error bar of the shares holds. The truth: multipoles
-// (sphere-arrays.csv, made by sphere-arrays.py). bars: how often the bar of studyShares() holds the material's value,
-// on balls at random, cylinders and layers at random angles, drawn with 24 to 48 nodes across (count= of them; the
-// value: extrapolated from 64 and 128 nodes).
+// spheres: how near plain voxels come to the material, voxels that know their share of a phase, and labels that are
+// smoothed: simple cubic array of spheres, by fraction, contrast (sphere over matrix; 1e6 for infinity) and voxels
+// across; each also extrapolated from these and half as many; and whether the error bar of the shares holds. The truth:
+// multipoles (sphere-arrays.csv, made by sphere-arrays.py). bars: how often the bar of studyShares() holds the
+// material's value, on balls at random, cylinders and layers at random angles, drawn with 24 to 48 nodes across (count=
+// of them; the value: extrapolated from 64 and 128 nodes). labels: the same of plain voxels and of smoothed labels, too
+// (count=, seed=). geometry: where smoothed labels put the surfaces of balls, cylinders, planes, thin walls and near
+// balls (tries= of each).
 //   fraction=0.1,0.2,0.3,0.4,0.5  contrast=0,0.001,0.1,10,1000,1e6  size=16,32,64,128  truths=FILE
 #include "Keys.h"
 #include "Shapes.h"
@@ -188,15 +190,16 @@ std::vector<double> shares(std::int64_t n, const Shape& inside)
   return share;
 }
 
+Spot randomDirection(Random& random)
+{
+  const Spot d{ uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1) };
+  const double length = std::hypot(d.x, d.y, d.z);
+  return { d.x / length, d.y / length, d.z / length };
+}
+
 Shape randomShape(Random& random, int kind)
 {
-  const auto direction = [&]
-  {
-    Spot d{ uniform(random, -1, 1), uniform(random, -1, 1), uniform(random, -1, 1) };
-    const double length = std::hypot(d.x, d.y, d.z);
-    return Spot{ d.x / length, d.y / length, d.z / length };
-  };
-  const Spot d = direction();
+  const Spot d = randomDirection(random);
   const Spot c{ uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1) };
   if (kind == 0)
   {
@@ -300,22 +303,17 @@ void labels(const Keys& keys)
       study.estimateError = estimate;
       return lbm::studyShares(image, evenShares(), 1, contrast, study, MPI_COMM_SELF).front();
     };
-    const auto whole = [&](std::int64_t across)
-    {
-      study.estimateError = false;
-      PhaseImage image = sampled(3, { across, across, across }, shape);
-      return std::pair(image,
-        lbm::studyDiffusion(image, std::vector{ 1.0, contrast }, study, MPI_COMM_SELF).front().result.effective[0]);
-    };
     const double truth = 2 * exact(128, false).result.effective[0] - exact(64, false).result.effective[0];
-    const auto [image, voxels] = whole(n);
-    const double coarse = whole(n / 2).second;
     const auto known = exact(n, true);
     study.estimateError = true;
+    const PhaseImage image = sampled(3, { n, n, n }, shape);
+    const auto plain = lbm::studyDiffusion(image, std::vector{ 1.0, contrast }, study, MPI_COMM_SELF).front();
     const auto found = lbm::studyLabels(image, 1, { 1, contrast }, study, MPI_COMM_SELF).answers.front();
+    const double voxels = plain.result.effective[0];
+    const double expected = std::isfinite(plain.error.extrapolated) ? plain.error.extrapolated : voxels;
     const double value = found.result.effective[0];
-    const std::array<double, 6> values{ voxels, 2 * voxels - coarse, known.result.effective[0],
-      known.error.extrapolated, value, found.error.extrapolated };
+    const std::array<double, 6> values{ voxels, expected, known.result.effective[0], known.error.extrapolated, value,
+      found.error.extrapolated };
     for (std::size_t k = 0; k < 6; ++k)
       errors[k].push_back(std::abs(values[k] / truth - 1));
     const bool holds = errors[4].back() <= found.error.relative;
@@ -336,10 +334,108 @@ void labels(const Keys& keys)
     100 * median(errors[3]), 100 * median(errors[4]), 100 * median(errors[5]));
 }
 
+/// How far smoothed labels put the surfaces of known shapes from where these are, as their middles and as every voxel
+/// sees it. Lengths in voxels.
+void geometry(const Keys& keys)
+{
+  const int tries = static_cast<int>(number(keys, "tries", 8));
+  Random random(static_cast<std::uint64_t>(number(keys, "seed", 1)));
+  Table table(keys, "surface-shares", "geometry",
+    "shape,size,moved_labels,scatter_labels,share_error_labels,moved,"
+    "scatter,share_error");
+  fmt::print(
+    "moved: mean and root mean square of {} places [voxels]; share: root mean square error of cut voxels\n", tries);
+  struct Kind
+  {
+    const char* name;
+    double size;
+    std::int64_t across, margin;
+  };
+  std::vector<Kind> kinds;
+  for (const double radius : { 2., 3., 5., 10., 20., 40. })
+    kinds.push_back({ "ball", radius, static_cast<std::int64_t>(2 * radius + 16), 0 });
+  for (const double radius : { 2., 3., 5., 10. })
+    kinds.push_back({ "cylinder", radius, 56, 12 });
+  kinds.push_back({ "plane", 0, 56, 12 });
+  for (const double thick : { 1., 1.5, 2., 3., 5. })
+    kinds.push_back({ "wall", thick, 56, 12 });
+  for (const double gap : { 0.5, 1., 2., 4. })
+    kinds.push_back({ "gap", gap, 56, 0 });
+  for (const Kind& kind : kinds)
+  {
+    std::array<double, 2> sum{};
+    std::array<double, 2> squares{};
+    std::array<double, 2> shareSquares{};
+    double cut = 0;
+    for (int i = 0; i < tries; ++i)
+    {
+      const auto n = static_cast<double>(kind.across);
+      const Spot d = randomDirection(random);
+      const Spot c{ n / 2 + uniform(random, 0, 1), n / 2 + uniform(random, 0, 1), n / 2 + uniform(random, 0, 1) };
+      const std::string name = kind.name;
+      const Shape shape = [=, size = kind.size](Spot p)
+      {
+        const Spot q{ n * p.x - c.x, n * p.y - c.y, n * p.z - c.z };
+        const double along = q.x * d.x + q.y * d.y + q.z * d.z;
+        const double square = q.x * q.x + q.y * q.y + q.z * q.z;
+        if (name == "ball")
+          return square < size * size;
+        if (name == "cylinder")
+          return square - along * along < size * size;
+        if (name == "plane")
+          return along < 0;
+        if (name == "wall")
+          return std::abs(along) < size / 2;
+        constexpr double radius = 9; // two balls, `size` apart
+        const double from = std::abs(along) - radius - size / 2;
+        return from * from + square - along * along < radius * radius;
+      };
+      const std::vector<double> exact = shares(kind.across, shape);
+      const PhaseImage image = sampled(3, { kind.across, kind.across, kind.across }, shape);
+      const std::vector<std::uint8_t> smooth = labelShares(image.lattice, image.phase, 1, { false, false, false }, 1);
+      std::array<double, 2> more{};
+      double area = 0;
+      const auto inner = [&](std::int64_t x) { return x >= kind.margin + 1 && x < kind.across - kind.margin - 1; };
+      for (std::int64_t z = 0; z < kind.across; ++z)
+        for (std::int64_t y = 0; y < kind.across; ++y)
+          for (std::int64_t x = 0; x < kind.across; ++x)
+            if (inner(x) && inner(y) && inner(z))
+            {
+              const auto at = [&](std::int64_t a, std::int64_t b, std::int64_t e)
+              { return static_cast<std::size_t>(image.lattice.index(a, b, e)); };
+              const std::size_t own = at(x, y, z);
+              area += 0.5 *
+                std::hypot(exact[at(x + 1, y, z)] - exact[at(x - 1, y, z)],
+                  exact[at(x, y + 1, z)] - exact[at(x, y - 1, z)], exact[at(x, y, z + 1)] - exact[at(x, y, z - 1)]);
+              cut += exact[own] > 0 && exact[own] < 1 ? 1 : 0;
+              for (const std::size_t k : { 0U, 1U })
+              {
+                const double error = (k == 0 ? image.phase[own] : smooth[own] / double{ levels - 1 }) - exact[own];
+                more[k] += error;
+                shareSquares[k] += error * error;
+              }
+            }
+      for (const std::size_t k : { 0U, 1U })
+      {
+        sum[k] += more[k] / area / tries;
+        squares[k] += more[k] * more[k] / (area * area) / tries;
+      }
+    }
+    const auto scatter = [&](std::size_t k) { return std::sqrt(squares[k]); };
+    const auto ofShares = [&](std::size_t k) { return std::sqrt(shareSquares[k] / cut); };
+    fmt::print("  {:<8} {:>4g}  labels: moved {:+.3f}, {:.3f}, share {:.3f}; smoothed: moved {:+.3f}, {:.3f}, share "
+               "{:.3f}\n",
+      kind.name, kind.size, sum[0], scatter(0), ofShares(0), sum[1], scatter(1), ofShares(1));
+    table.line(kind.name, kind.size, sum[0], scatter(0), ofShares(0), sum[1], scatter(1), ofShares(1));
+    std::fflush(stdout);
+  }
+}
+
 void run(const Keys& keys)
 {
   runStudies(keys,
-    { { "spheres", [&] { spheres(keys); } }, { "bars", [&] { bars(keys); } }, { "labels", [&] { labels(keys); } } });
+    { { "spheres", [&] { spheres(keys); } }, { "bars", [&] { bars(keys); } }, { "labels", [&] { labels(keys); } },
+      { "geometry", [&] { geometry(keys); } } });
 }
 
 } // namespace

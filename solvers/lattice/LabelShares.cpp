@@ -97,8 +97,15 @@ void blend(const std::array<float, radius + 1>& tap, std::int64_t n, Row&& row, 
   }
 }
 
+/// How a field goes on beyond a face where the sample does not repeat.
+enum class Beyond
+{
+  Straight, ///< 2 f₀ − f₁: the surface of a level goes straight on
+  Mirrored
+};
+
 /// Blurs `fields` fields at a time: fill(y, z, f, row) gives their rows, sink(y, z, rows) takes what comes out.
-template <int radius, int fields, class Fill, class Sink>
+template <int radius, int fields, Beyond beyond, class Fill, class Sink>
 void blurred(const Grid& grid, Fill&& fill, Sink&& sink)
 {
   constexpr std::array<float, radius + 1> tap = binomial<radius>();
@@ -114,6 +121,27 @@ void blurred(const Grid& grid, Fill&& fill, Sink&& sink)
     std::vector<float> along(static_cast<std::size_t>((blockRows + 2 * radius) * nx));
     std::vector<float> planes(static_cast<std::size_t>(fields * ring * plane));
     std::vector<float> out(static_cast<std::size_t>(fields * nx));
+    std::array<std::vector<float>, 2> opposite{ std::vector<float>(static_cast<std::size_t>(nx)),
+      std::vector<float>(static_cast<std::size_t>(nx)) };
+    const auto straight = [&](auto&& self, std::int64_t y, std::int64_t z, int f, float* row) -> void
+    {
+      for (const std::size_t a : { 1U, 2U })
+      {
+        const std::int64_t at = a == 1 ? y : z;
+        const std::int64_t last = grid.size[a] - 1;
+        if (beyond == Beyond::Mirrored || grid.wraps[a] || (at >= 0 && at <= last))
+          continue;
+        const std::int64_t face = at < 0 ? 0 : last;
+        const std::int64_t other = std::clamp<std::int64_t>(2 * face - at, 0, last);
+        float* const second = opposite[a - 1].data();
+        self(self, a == 1 ? face : y, a == 1 ? z : face, f, row);
+        self(self, a == 1 ? other : y, a == 1 ? z : other, f, second);
+        for (std::int64_t x = 0; x < nx; ++x)
+          row[x] = 2 * row[x] - second[x];
+        return;
+      }
+      fill(y, z, f, row);
+    };
 #pragma omp for schedule(dynamic) collapse(2)
     for (std::int64_t slab = 0; slab < slabs; ++slab)
       for (std::int64_t block = 0; block < blocks; ++block)
@@ -132,11 +160,13 @@ void blurred(const Grid& grid, Fill&& fill, Sink&& sink)
             for (std::int64_t r = -radius; r < rows + radius; ++r)
             {
               float* const own = padded.data() + radius;
-              fill(firstRow + r, z, f, own);
+              straight(straight, firstRow + r, z, f, own);
               for (std::int64_t i = 1; i <= radius; ++i)
               {
-                own[-i] = own[inside(-i, nx, grid.wraps[0])];
-                own[nx - 1 + i] = own[inside(nx - 1 + i, nx, grid.wraps[0])];
+                const bool on = beyond == Beyond::Straight && !grid.wraps[0];
+                const std::int64_t far = std::min(i, nx - 1);
+                own[-i] = on ? 2 * own[0] - own[far] : own[inside(-i, nx, grid.wraps[0])];
+                own[nx - 1 + i] = on ? 2 * own[nx - 1] - own[nx - 1 - far] : own[inside(nx - 1 + i, nx, grid.wraps[0])];
               }
               blend<radius>(
                 tap, nx, [&](int k) { return own + k; }, along.data() + (r + radius) * nx);
@@ -215,7 +245,7 @@ public:
   std::vector<std::uint8_t> run()
   {
     const std::int64_t nx = grid_.size[0];
-    blurred<4, 1>(
+    blurred<4, 1, Beyond::Straight>(
       grid_,
       [&](std::int64_t y, std::int64_t z, int, float* row)
       {
@@ -229,7 +259,7 @@ public:
         for (std::int64_t x = 0; x < nx; ++x)
           to[x] = toLevel(row[x]);
       });
-    blurred<4, 1>(
+    blurred<4, 1, Beyond::Straight>(
       grid_,
       [&](std::int64_t y, std::int64_t z, int, float* row)
       {
@@ -269,6 +299,39 @@ private:
       work(r % grid_.size[1], r / grid_.size[1]);
   }
 
+  /// The levels of a row and of its neighbours, by y, then z; straight on beyond faces, kept in `beyond`.
+  std::array<const Level*, 9> around(std::int64_t y, std::int64_t z, std::array<std::vector<Level>, 9>& beyond) const
+  {
+    std::array<const Level*, 9> rows{};
+    const auto leaves = [&](std::size_t a, std::int64_t at)
+    { return !grid_.wraps[a] && grid_.size[a] > 1 && (at < 0 || at >= grid_.size[a]); };
+    const auto row = [&](std::int64_t j, std::int64_t k) { return level_.data() + grid_.row(y + j, z + k); };
+    for (std::int64_t k = -1; k <= 1; ++k)
+      for (std::int64_t j = -1; j <= 1; ++j)
+      {
+        const auto i = static_cast<std::size_t>(j + 1 + 3 * (k + 1));
+        const bool overY = leaves(1, y + j);
+        const bool overZ = leaves(2, z + k);
+        rows[i] = row(j, k);
+        if (!overY && !overZ)
+          continue;
+        const Level* const near = row(overY ? 0 : j, overZ ? 0 : k);
+        const Level* const acrossY = row(overY ? -j : j, overZ ? 0 : k);
+        const Level* const acrossZ = row(overY ? 0 : j, overZ ? -k : k);
+        const Level* const across = row(overY ? -j : j, overZ ? -k : k);
+        beyond[i].resize(static_cast<std::size_t>(grid_.size[0]));
+        for (std::int64_t x = 0; x < grid_.size[0]; ++x)
+        {
+          const int level = overY && overZ ? 4 * near[x] - 2 * (acrossY[x] + acrossZ[x]) + across[x]
+            : overY                        ? 2 * near[x] - acrossY[x]
+                                           : 2 * near[x] - acrossZ[x];
+          beyond[i][static_cast<std::size_t>(x)] = static_cast<Level>(std::clamp(level, -32000, 32000));
+        }
+        rows[i] = beyond[i].data();
+      }
+    return rows;
+  }
+
   /// Shares from the levels.
   void cut()
   {
@@ -277,18 +340,23 @@ private:
     eachRow(
       [&](std::int64_t y, std::int64_t z)
       {
-        std::array<const Level*, 9> rows{}; // by y, then z
-        for (std::int64_t k = 0; k < 3; ++k)
-          for (std::int64_t j = 0; j < 3; ++j)
-            rows[static_cast<std::size_t>(j + 3 * k)] = level_.data() + grid_.row(y + j - 1, z + k - 1);
+        std::array<std::vector<Level>, 9> beyond;
+        const std::array<const Level*, 9> rows = around(y, z, beyond);
         const Level* const f = rows[4];
         const std::int64_t from = grid_.row(y, z);
         for (std::int64_t x = 0; x < nx; ++x)
         {
           const bool second = isSecond(from + x);
-          const std::int64_t low = x > 0 ? x - 1 : grid_.before();
-          const std::int64_t high = x < nx - 1 ? x + 1 : grid_.behind();
-          const auto at = [](const Level* row, std::int64_t i) { return static_cast<int>(row[i]); };
+          const std::int64_t low = x - 1;
+          const std::int64_t high = x + 1;
+          const auto at = [&](const Level* row, std::int64_t i)
+          {
+            if (i >= 0 && i < nx)
+              return static_cast<int>(row[i]);
+            if (grid_.wraps[0] || nx == 1)
+              return static_cast<int>(row[i < 0 ? nx - 1 : 0]);
+            return i < 0 ? 2 * row[0] - row[1] : 2 * row[nx - 1] - row[nx - 2];
+          };
           const int own = at(f, x);
           const int reach = std::abs(at(f, high) - own) + std::abs(own - at(f, low)) + std::abs(at(rows[5], x) - own) +
             std::abs(own - at(rows[3], x)) + std::abs(at(rows[7], x) - own) + std::abs(own - at(rows[1], x));
@@ -299,7 +367,7 @@ private:
           }
           // Of the node's own phase, so that swapping the labels swaps the shares.
           const float unit = second ? levelUnit : -levelUnit;
-          const auto value = [unit](const Level* row, std::int64_t i) { return unit * static_cast<float>(row[i]); };
+          const auto value = [&](const Level* row, std::int64_t i) { return unit * static_cast<float>(at(row, i)); };
           Quadric q;
           q.value = value(f, x);
           const auto differences = [&](std::size_t a, float less, float more)
@@ -336,7 +404,7 @@ private:
       const auto c = static_cast<float>(above[x] - below[x]);
       return 0.5F * std::sqrt(a * a + b * b + c * c);
     };
-    blurred<8, 2>(
+    blurred<8, 2, Beyond::Mirrored>(
       grid_,
       [&](std::int64_t y, std::int64_t z, int field, float* row)
       {

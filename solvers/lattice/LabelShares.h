@@ -32,7 +32,7 @@ constexpr int shareLevels = 255;
 ///
 /// @param label  #nodes
 /// @param second label of the second phase; all others are the first
-/// @param wraps  whether the sample repeats along x, y, z; else it is mirrored at its faces
+/// @param wraps  whether the sample repeats along x, y, z; else its surfaces go straight on beyond its faces
 /// @returns #nodes: shares in steps, 0 … shareLevels − 1: evenShares() by it
 /// Memory beside labels and shares: 4 bytes a node. Time: docs/benchmarks/volumes.md.
 /// @throws ParameterError for another number of labels
