@@ -321,11 +321,12 @@ void labels(const Keys& keys)
     ratios.push_back(found.error.relative / errors[4].back());
     table.line(kind, n, contrast, truth, values[0], values[1], values[2], values[3], values[4], values[5],
       found.error.lattice, found.error.picture, holds ? 1 : 0);
-    fmt::print("  kind {} {:>2} contrast {:>5g} truth {:.5f}; voxels {:+7.2f} {:+7.2f} shares {:+7.2f} {:+7.2f} labels "
-               "{:+7.2f} {:+7.2f} % bar {:.2f} + {:.2f}{}\n",
-      kind, n, contrast, truth, 100 * (values[0] / truth - 1), 100 * (values[1] / truth - 1),
-      100 * (values[2] / truth - 1), 100 * (values[3] / truth - 1), 100 * (values[4] / truth - 1),
-      100 * (values[5] / truth - 1), 100 * found.error.lattice, 100 * found.error.picture, holds ? "" : " !");
+    const auto percent = [&](std::size_t k) { return 100 * (values[k] / truth - 1); };
+    fmt::print(
+      "  kind {} of {} nodes, contrast {:g}: {:.5f}; errors [%]: voxels {:+.2f} and {:+.2f}, shares {:+.2f} and "
+      "{:+.2f}, labels {:+.2f} and {:+.2f}, bar {:.2f} + {:.2f}{}\n",
+      kind, n, contrast, truth, percent(0), percent(1), percent(2), percent(3), percent(4), percent(5),
+      100 * found.error.lattice, 100 * found.error.picture, holds ? "" : ", does not hold");
     std::fflush(stdout);
   }
   fmt::print("held {} of {}; bar over error {:.2g} (median). Medians of errors: voxels {:.3f} %, extrapolated {:.3f}; "
