@@ -69,7 +69,7 @@ constexpr std::int64_t fewestAcross = 3;
 constexpr double farLess = 0.25;
 constexpr double someLess = 0.7;
 constexpr double nearlyFull = 0.98;
-// Of what labels of twice the spacing miss: held 59 of 60 (benchmark surface-shares, labels, seed 1), half of it 57.
+// Of what labels of twice the spacing miss: held 58 of 60 (benchmark surface-shares, labels, seed 1), half of it 57.
 constexpr double labelCertainty = 0.75;
 constexpr double mostlyMixed = 0.3; // surfaces lie so close that coarser nodes hardly tell them apart
 
