@@ -9,6 +9,7 @@
 #include <cstddef>
 #include <cstdlib>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace lamella
@@ -19,7 +20,7 @@ namespace
 using Level = std::int16_t;
 constexpr float levelUnit = 1.0F / 16000; // levels lie within about ±1.3
 constexpr int little = 1600;              // levels, for what second differences add
-constexpr float leastLevel = 2e-3F;
+constexpr float leastLevel = 2e-3F;       // by which a level keeps to the side of its label
 constexpr float leastSlope = 0.05F;
 constexpr float leastArea = 1e-3F;
 constexpr int moves = 2;
@@ -34,23 +35,22 @@ Level toLevel(float value) noexcept
   return static_cast<Level>(std::lrintf(std::clamp(value / levelUnit, -32000.0F, 32000.0F)));
 }
 
-/// A binomial blur: `passes` times (1, 2, 1)/4, whose variance is passes/2.
-template <int passes>
+/// A binomial blur: `passes` times (1, 2, 1)/4, whose variance is passes/2. From the middle outward.
+template <std::size_t passes>
 constexpr std::array<float, passes + 1> binomial()
 {
   std::array<double, 2 * passes + 1> all{};
   all[0] = 1;
-  for (int n = 1; n <= 2 * passes; ++n)
+  for (std::size_t n = 1; n <= 2 * passes; ++n)
   {
-    for (int k = n; k > 0; --k)
-      all[static_cast<std::size_t>(k)] =
-        0.5 * (all[static_cast<std::size_t>(k)] + all[static_cast<std::size_t>(k - 1)]);
+    for (std::size_t k = n; k > 0; --k)
+      all[k] = 0.5 * (all[k] + all[k - 1]);
     all[0] *= 0.5;
   }
-  std::array<float, passes + 1> half{};
-  for (int k = 0; k <= passes; ++k)
-    half[static_cast<std::size_t>(k)] = static_cast<float>(all[static_cast<std::size_t>(passes + k)]);
-  return half;
+  std::array<float, passes + 1> tap{};
+  for (std::size_t k = 0; k <= passes; ++k)
+    tap[k] = static_cast<float>(all[passes + k]);
+  return tap;
 }
 
 /// The node that stands for one beyond the end.
@@ -109,7 +109,9 @@ template <int radius, int fields, Beyond beyond, class Fill, class Sink>
 void blurred(const Grid& grid, Fill&& fill, Sink&& sink)
 {
   constexpr std::array<float, radius + 1> tap = binomial<radius>();
-  const auto [nx, ny, nz] = grid.size;
+  const std::int64_t nx = grid.size[0];
+  const std::int64_t ny = grid.size[1];
+  const std::int64_t nz = grid.size[2];
   const bool deep = nz > 1;
   const std::int64_t blocks = (ny + blockRows - 1) / blockRows;
   const std::int64_t slabs = (nz + slabPlanes - 1) / slabPlanes;
@@ -452,9 +454,9 @@ private:
 
 std::vector<double> evenShares()
 {
-  std::vector<double> share;
-  for (int i = 0; i < shareLevels; ++i)
-    share.push_back(i / static_cast<double>(shareLevels - 1));
+  std::vector<double> share(shareLevels);
+  for (std::size_t i = 0; i < share.size(); ++i)
+    share[i] = static_cast<double>(i) / most;
   return share;
 }
 

@@ -20,13 +20,13 @@ constexpr int shareLevels = 255;
 ///
 /// A level f is 2 G s − G G s, s = ±1 the labels and G a blur of variance 2 (binomial, of radius 4 along each axis). Of
 /// a blur alone its zero lies off a surface of curvature κ by about σ²κ/2; here that part cancels. f keeps the sign of
-/// the label. A node's share is the mean of its octants' (in pictures: quarters'), in each of which f is its tangent
-/// plane, with f's second differences. Then f moves, twice, by as much as the labels exceed the shares over the
-/// surface's area, both over a window of variance 4 (radius 8): so volumes are those of the labels around every place
-/// of the surface, and neither grow nor shrink with curvature or in thin walls.
+/// the label. A node's share is what f's tangent plane leaves of it, with the mean of the second differences; where
+/// these are large beside the slope the mean of its octants' (in pictures: quarters'), each with a plane of its own.
+/// Then f moves, twice, by as much as the labels exceed the shares over the surface's area, both over a window of
+/// variance 4 (radius 8): so volumes are those of the labels around every place of the surface, and neither grow nor
+/// shrink with curvature or in thin walls.
 ///
-/// Every node is more than half of the phase of its label; nodes whose neighbours' labels are all the same keep 0 or
-/// 1, where the surface does not reach them. Swapping the labels swaps the shares, and mirroring mirrors them, exactly;
+/// Every node is more than half of the phase of its label, and 0 or 1 where the surface does not reach it. Swapping the labels swaps the shares, and mirroring mirrors them, exactly;
 /// the number of threads changes nothing. In units of nodes, so voxels need not be cubes. How near:
 /// docs/benchmarks/volumes.md.
 ///

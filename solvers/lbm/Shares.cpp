@@ -204,9 +204,10 @@ public:
     answer.error.relative = std::max(error.bar, doubt) / fine + answer.result.solverError;
     answer.error.lattice = answer.error.relative;
     answer.error.picture = 0;
+    const double mean = *coarse[at(rule)]; // of all labels; 0: nothing leads from face to face
     double squares = 0;
     for (const PhaseImage& labels : seen)
-      squares += std::pow(valueOrNone(answer, labels, shares, rule) / *coarse[at(rule)] - 1, 2);
+      squares += std::pow((valueOrNone(answer, labels, shares, rule) - mean) / (mean > 0 ? mean : fine), 2);
     if (!seen.empty())
     {
       answer.error.picture = labelCertainty * std::sqrt(squares / static_cast<double>(seen.size()));

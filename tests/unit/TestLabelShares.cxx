@@ -189,7 +189,9 @@ TEST(LabelShares, SwappingMirroringShiftingAndThreadsChangeNothing)
 {
   for (const Lattice& lattice : { box(31, 70, 67), box(75, 41, 1) })
   {
-    const auto [nx, ny, nz] = lattice.size;
+    const std::int64_t nx = lattice.size[0];
+    const std::int64_t ny = lattice.size[1];
+    const std::int64_t nz = lattice.size[2];
     const Labels label = mixture(lattice, 11);
     const Labels share = labelShares(lattice, label, 1, around, 1);
     EXPECT_EQ(labelShares(lattice, label, 1, around, 3), share);
