@@ -26,9 +26,9 @@ constexpr int shareLevels = 255;
 /// variance 4 (radius 8): so volumes are those of the labels around every place of the surface, and neither grow nor
 /// shrink with curvature or in thin walls.
 ///
-/// Every node is more than half of the phase of its label, and 0 or 1 where the surface does not reach it. Swapping the labels swaps the shares, and mirroring mirrors them, exactly;
-/// the number of threads changes nothing. In units of nodes, so voxels need not be cubes. How near:
-/// docs/benchmarks/volumes.md.
+/// Every node is more than half of the phase of its label, and 0 or 1 where the surface does not reach it. Swapping the
+/// labels swaps the shares, and mirroring mirrors them, exactly; the number of threads changes nothing. In units of
+/// nodes, so voxels need not be cubes. How near: docs/benchmarks/volumes.md.
 ///
 /// @param label  #nodes
 /// @param second label of the second phase; all others are the first
