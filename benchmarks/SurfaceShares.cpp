@@ -1,4 +1,4 @@
-// study=spheres, bars; all unless told.
+// study=spheres, bars, membranes, membrane-bars; all unless told.
 //
 // spheres: how near plain voxels come to the material, and voxels that know their share of a phase: simple cubic array
 // of spheres, by fraction, contrast (sphere over matrix; 1e6 for infinity) and voxels across; each also extrapolated
@@ -7,6 +7,12 @@
 // on balls at random, cylinders and layers at random angles, drawn with 24 to 48 nodes across (count= of them; the
 // value: extrapolated from 64 and 128 nodes).
 //   fraction=0.1,0.2,0.3,0.4,0.5  contrast=0,0.001,0.1,10,1000,1e6  size=16,32,64,128  truths=FILE
+//
+// membranes: the same spheres, of whole voxels, with a resistance on their surface (sphere-membranes.csv), by what
+// faces carry: as much as the surface does, or as it is scaled; with bars of sizes up to bars=64. membrane-bars: how
+// often the bar of studyDiffusion() holds, on the shapes of bars with membranes (truth: scaled by exact normals'
+// area, extrapolated as there).
+//   resistance=0.1,1,10  membranes=FILE
 #include "Keys.h"
 #include "Shapes.h"
 #include "Table.h"
@@ -23,7 +29,10 @@
 #include <cstdio>
 #include <fstream>
 #include <limits>
+#include <memory>
+#include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace
@@ -45,6 +54,7 @@ std::vector<double> evenShares()
 struct Truth
 {
   double fraction = 0, contrast = 0, value = 0;
+  double resistance = 0; ///< of the surface, times the matrix's conductivity over the radius
 };
 
 std::vector<Truth> truthsOf(const std::string& file)
@@ -54,7 +64,10 @@ std::vector<Truth> truthsOf(const std::string& file)
   for (std::string line; std::getline(in, line);)
   {
     Truth t;
-    if (std::sscanf(line.c_str(), "%lf,%lf,%lf", &t.fraction, &t.contrast, &t.value) == 3)
+    const int found = std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &t.fraction, &t.contrast, &t.value, &t.resistance);
+    if (found == 4)
+      std::swap(t.value, t.resistance);
+    if (found >= 3)
       truths.push_back(t);
   }
   if (truths.empty())
@@ -254,9 +267,74 @@ void bars(const Keys& keys)
     held, count, median(ratios), 100 * median(errors), 100 * median(better));
 }
 
+/// Whether a table's line was asked for.
+bool wanted(const Keys& keys, const char* key, double value)
+{
+  const std::vector<double> all = list(keys, key, value);
+  return std::ranges::find(all, value) != all.end();
+}
+
+/// Each face carries what the surface does.
+double literally(const PhaseImage& image, double contrast, const lbm::Membrane& membrane)
+{
+  const lbm::MembraneIds ids{ image.phase, { 0, 1 }, { 1, 1 }, {}, {} };
+  const std::vector<double> k{ 1, contrast };
+  lbm::SteadyOptions o = alongX().steady;
+  o.pairs =
+    std::make_shared<lbm::PairTable>(lbm::membraneLinks(ids, k, std::vector{ membrane }, image.lattice.spacing));
+  lbm::SteadyDiffusion solver(image.lattice, decompose(image.lattice, MPI_COMM_SELF), ids.id, k, o);
+  return solver.solve(0).effective[0];
+}
+
+void membranes(const Keys& keys)
+{
+  const std::vector<double> sizes = keys.contains("size") ? list(keys, "size", 0) : std::vector{ 32.0, 64.0, 128.0 };
+  const double largest = number(keys, "bars", 64);
+  Table table(
+    keys, "surface-shares", "membranes", "fraction,contrast,resistance,nodes,value,literal_error,error,bar,held");
+  int held = 0;
+  int bars = 0;
+  for (const Truth& t : truthsOf(text(keys, "membranes", MEMBRANE_TRUTHS)))
+  {
+    if (!wanted(keys, "fraction", t.fraction) || !wanted(keys, "contrast", t.contrast) ||
+      !wanted(keys, "resistance", t.resistance))
+      continue;
+    fmt::print("fraction {:g}, spheres of {:g}, resistance {:g}: {:.6f}; errors [%]\n", t.fraction, t.contrast,
+      t.resistance, t.value);
+    for (const double size : sizes)
+    {
+      const auto n = static_cast<std::int64_t>(size);
+      PhaseImage image = cell(n);
+      for (const double s : test::sphereShares(n, t.fraction))
+        image.phase.push_back(s >= 0.5 ? 1 : 0);
+      const lbm::Membrane membrane{ 0, 1, t.resistance * std::cbrt(3 * t.fraction / (4 * std::numbers::pi)) };
+      lbm::StudyOptions study = alongX();
+      study.membranes = { membrane };
+      study.estimateError = size <= largest;
+      const auto found = lbm::studyDiffusion(image, std::vector{ 1.0, t.contrast }, study, MPI_COMM_SELF).front();
+      const double value = found.result.effective[0];
+      const auto error = [&](double v) { return 100 * (v / t.value - 1); };
+      const double plain = literally(image, t.contrast, membrane);
+      const double bar = 100 * found.error.relative;
+      const bool holds = std::abs(error(value)) <= bar;
+      bars += study.estimateError ? 1 : 0;
+      held += study.estimateError && holds ? 1 : 0;
+      fmt::print("  {:>4}  literally {:+8.3f}, scaled {:+8.3f}", n, error(plain), error(value));
+      if (study.estimateError)
+        fmt::print(", bar {:.3f}{}", bar, holds ? "" : " does not hold");
+      fmt::print("\n");
+      table.line(t.fraction, t.contrast, t.resistance, n, value, error(plain), error(value), bar, holds ? 1 : 0);
+      std::fflush(stdout);
+    }
+  }
+  fmt::print("bars held {} of {}\n", held, bars);
+}
+
 void run(const Keys& keys)
 {
-  runStudies(keys, { { "spheres", [&] { spheres(keys); } }, { "bars", [&] { bars(keys); } } });
+  runStudies(keys,
+    { { "spheres", [&] { spheres(keys); } }, { "bars", [&] { bars(keys); } },
+      { "membranes", [&] { membranes(keys); } } });
 }
 
 } // namespace
