@@ -44,6 +44,26 @@ std::vector<std::uint16_t> byPair(std::span<const Membrane> membranes)
   return place;
 }
 
+/// Surface over faces of a pixel as a byte.
+struct Scale
+{
+  double range;                                ///< from planes along the lattice, 1, to diagonal ones
+  static constexpr std::uint8_t elsewhere = 0; ///< at no membrane
+  static constexpr std::uint8_t unknown = 1;
+  static constexpr std::uint8_t steepest = 2;
+  static constexpr std::uint8_t flat = 255;
+
+  [[nodiscard]] std::uint8_t step(double flatness) const noexcept
+  {
+    return static_cast<std::uint8_t>(
+      flat - std::clamp<long>(std::lround((1 - flatness) / range * (flat - steepest)), 0, flat - steepest));
+  }
+  [[nodiscard]] double flatness(std::uint8_t step) const noexcept
+  {
+    return 1 - range * (flat - step) / (flat - steepest);
+  }
+};
+
 /// The pixels of a picture, of which each may be several nodes.
 class Pixels
 {
@@ -155,15 +175,17 @@ MembraneIds membraneIds(
 {
   const std::vector<std::uint16_t> place = byPair(membranes);
   const Pixels pixels(image, refinement, wraps);
-  std::vector<float> flatness(static_cast<std::size_t>(pixels.count()), -1.0F); // of pixels at no membrane
-  const auto of = [&](std::int64_t i) -> float& { return flatness[static_cast<std::size_t>(i)]; };
+  const Scale scale{ 1 - 1 / (image.lattice.dimension == 3 ? std::numbers::sqrt3 : std::numbers::sqrt2) };
+  std::vector<std::uint8_t> flatness(static_cast<std::size_t>(pixels.count()), Scale::elsewhere);
+  const auto of = [&](std::int64_t i) -> std::uint8_t& { return flatness[static_cast<std::size_t>(i)]; };
   forEachFace(
-    pixels, place, [&](std::size_t, std::int64_t i, std::int64_t j, std::size_t) { of(i) = of(j) = 0.0F; });
+    pixels, place, [&](std::size_t, std::int64_t i, std::int64_t j, std::size_t) { of(i) = of(j) = Scale::unknown; });
   forEach(pixels,
     [&](std::int64_t i, const std::array<std::int64_t, 3>& p)
     {
-      if (of(i) == 0.0F)
-        of(i) = static_cast<float>(pixels.flatness(p[0], p[1], p[2]));
+      if (of(i) == Scale::unknown)
+        if (const double f = pixels.flatness(p[0], p[1], p[2]); f > 0)
+          of(i) = scale.step(f);
     });
   // A wall of one pixel lies on both sides alike: what is on them tells.
   std::map<std::int64_t, std::pair<double, int>> beside;
@@ -171,26 +193,31 @@ MembraneIds membraneIds(
     [&](std::size_t, std::int64_t i, std::int64_t j, std::size_t)
     {
       for (const auto& [here, there] : { std::pair{ i, j }, std::pair{ j, i } })
-        if (of(here) == 0.0F)
+        if (of(here) == Scale::unknown)
         {
           auto& [sum, count] = beside[here];
-          sum += static_cast<double>(of(there));
-          count += of(there) > 0.0F ? 1 : 0;
+          if (of(there) != Scale::unknown)
+          {
+            sum += scale.flatness(of(there));
+            ++count;
+          }
         }
     });
   for (const auto& [i, mean] : beside)
-    of(i) = mean.second > 0 ? static_cast<float>(mean.first / mean.second) : 1.0F;
+    of(i) = scale.step(mean.second > 0 ? mean.first / mean.second : 1.0);
 
   MembraneIds result;
-  const double steepest = 1 - 1 / (image.lattice.dimension == 3 ? std::numbers::sqrt3 : std::numbers::sqrt2);
   std::array<bool, mostIds> there{};
   for (const std::uint8_t phase : image.phase)
     there[phase] = true;
   std::vector<std::uint8_t> own(flatness.size()); // id of each pixel
   for (int levels = finestLevels;; levels /= 2)
   {
-    const auto levelOf = [&](float f)
-    { return f < 0 ? 0 : static_cast<int>(std::lround((1 - static_cast<double>(f)) / steepest * levels)); };
+    const auto levelOf = [&](std::uint8_t step)
+    {
+      return step < Scale::steepest ? 0
+                                    : static_cast<int>(std::lround((1 - scale.flatness(step)) / scale.range * levels));
+    };
     // a phase's first id is that of its nodes away from membranes, too
     std::vector<std::array<std::int16_t, finestLevels + 1>> idOf(mostIds);
     result.phase.clear();
@@ -205,7 +232,7 @@ MembraneIds membraneIds(
     for (std::size_t i = 0; i < flatness.size(); ++i)
     {
       const std::uint8_t phase = pixels.ids()[i];
-      auto& id = idOf[phase][static_cast<std::size_t>(std::clamp(levelOf(flatness[i]), 0, levels))];
+      auto& id = idOf[phase][static_cast<std::size_t>(levelOf(flatness[i]))];
       if (id < 0)
       {
         id = static_cast<std::int16_t>(result.phase.size());
@@ -223,9 +250,9 @@ MembraneIds membraneIds(
   result.flatness.assign(result.phase.size(), 0.0);
   std::vector<double> count(result.phase.size(), 0.0);
   for (std::size_t i = 0; i < flatness.size(); ++i)
-    if (flatness[i] > 0)
+    if (flatness[i] >= Scale::steepest)
     {
-      result.flatness[own[i]] += static_cast<double>(flatness[i]);
+      result.flatness[own[i]] += scale.flatness(flatness[i]);
       count[own[i]] += 1;
     }
   for (std::size_t id = 0; id < count.size(); ++id)
