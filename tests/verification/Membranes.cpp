@@ -96,7 +96,6 @@ TEST(Membranes, LayersAreExactWithEveryMethodAndRefinement)
     }
 }
 
-// A resistance by area, not by face: half the spacing with twice the nodes is the same sample, and its pixels split.
 TEST(Membranes, NoResistanceIsNone)
 {
   const PhaseImage image = test::noise(24, 20, 1, 0.5, 3);
@@ -196,8 +195,9 @@ TEST(Membranes, AVeryLargeResistanceLetsNothingThrough)
   }
   // layers across: next to nothing, exactly
   StudyOptions o = along(0, 2, Sides::Insulated, Method::Auto);
-  o.membranes = { { 0, 1, 1e6 } };
-  EXPECT_NEAR(valueOf(layers(2, 0, 1e-5), k, o) / (16e-5 / 2e6), 1, 1e-9);
+  o.membranes = { { 0, 1, 100 } };
+  EXPECT_NEAR(
+    valueOf(layers(2, 0, 1e-5), k, o) / (16e-5 / (2 * 100 + 2e-5 * (3 / k[0] + 2 / k[1] + 3 / k[2]))), 1, 1e-9);
 }
 
 TEST(Membranes, DerivativesAreThoseOfSolves)
@@ -248,7 +248,8 @@ TEST(Membranes, TheErrorBarCountsThem)
   EXPECT_EQ(studyDiffusion(layers(2, 0, 1e-5), k, o, MPI_COMM_SELF).front().membraneError, 0);
 }
 
-// Integer normals, cells that repeat: of any angle within 1.7 %, which membraneAreaError stands for.
+// Integer normals, cells that repeat: of any angle within 1.7 %, for which membraneAreaError stands; where all nodes
+// see the same, as exactly as a byte tells it (half of (1 − 1/√3)/253).
 TEST(Membranes, AreaOfPlanesAtAnyAngle)
 {
   constexpr std::int64_t n = 48;
@@ -265,7 +266,10 @@ TEST(Membranes, AreaOfPlanesAtAnyAngle)
     const MembraneIds ids = membraneIds(image, 1, { &membrane, 1 }, { true, true, true });
     const double square = wave[0] * wave[0] + wave[1] * wave[1] + wave[2] * wave[2];
     const bool exact = square < 4 && wave[0] == 1 && wave[1] < 2 && wave[2] < 2; // all nodes see the same
-    EXPECT_NEAR(ids.area[0] * static_cast<double>(n) / (2 * std::sqrt(square)), 1, exact ? 1e-12 : 0.017)
+    EXPECT_NEAR(ids.area[0] * static_cast<double>(n) / (2 * std::sqrt(square)), 1,
+      square == 1 ? 1e-12
+        : exact   ? 9e-4
+                  : 0.017)
       << wave[0] << wave[1] << wave[2];
     EXPECT_EQ(ids.phase.size() == 2, square == 1);
   }
