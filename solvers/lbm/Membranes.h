@@ -58,7 +58,7 @@ struct MembraneIds
   const MembraneIds& ids, std::span<const double> conductivity, std::span<const Membrane> membranes, double spacing);
 
 /// Part of the surface's area by which the normals of steps err: measured on spheres of more than 30 nodes across it is
-/// 0.5 %, on planes at any angle at most 1.6 %.
+/// 0.5 %, on planes at many angles at most 1.1 %.
 inline constexpr double membraneAreaError = 0.01;
 
 } // namespace lamella::lbm

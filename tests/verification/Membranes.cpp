@@ -280,8 +280,8 @@ TEST(Membranes, TheErrorBarCountsThem)
   EXPECT_EQ(studyDiffusion(layers(2, 0, 1e-5), k, o, MPI_COMM_SELF).front().membraneError, 0);
 }
 
-// Integer normals, cells that repeat: of any angle within 1.7 %, for which membraneAreaError stands; where all nodes
-// see the same, as exactly as a byte tells it (half of (1 − 1/√3)/253).
+// Integer normals, cells that repeat: within the 1.1 % that many angles showed, for which membraneAreaError stands;
+// where all nodes see the same, as exactly as a byte tells it (half of (1 − 1/√3)/253).
 TEST(Membranes, AreaOfPlanesAtAnyAngle)
 {
   constexpr std::int64_t n = 48;
