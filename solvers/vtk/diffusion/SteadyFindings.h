@@ -23,9 +23,9 @@ namespace lamella
 /// A membrane, and what there is of it.
 struct FoundMembrane
 {
-  std::string name;                 ///< of both phases, as lumen-wall
-  double resistance = 0;            ///< metres over the unit of conductivities
-  double area = 0;                  ///< of the surface over the volume [1/m]; 0: there is none
+  std::string name;                   ///< of both phases, as lumen-wall
+  double resistance = 0;              ///< metres over the unit of conductivities
+  double area = 0;                    ///< of the surface over the volume [1/m]; 0: there is none
   std::optional<std::size_t> place{}; ///< among derivatives
 };
 
