@@ -358,6 +358,8 @@ class Walls(Case):
                      "membrane matrix-inclusion -"):
             self.assertIn(line, text)
         self.assertIn("membrane", pathlib.Path(self.folder, "field.vti").read_text(errors="replace"))
+        # links through membranes are not what the phases alone say
+        self.assertAlmostEqual(self.works("flux-map", "field.vti", "--json").json()["effective"]["x"] / exact, 1, delta=1e-8)
         fails = lambda *rest: self.fails(2, *rest[:2], "diffusion", *words, *rest[2:])  # noqa: E731
         good = ["--membrane", "matrix-inclusion=3e-6"]
         fails("'matrix-wall', which are not two phases", "its phases are", "--membrane", "matrix-wall=1e-8")
