@@ -1,4 +1,4 @@
-// study=spheres, bars, labels, geometry; all unless told.
+// study=spheres, bars, labels, geometry, membranes, membrane-bars; all unless told.
 //
 // spheres: how near plain voxels come to the material, voxels that know their share of a phase, and labels that are
 // smoothed: simple cubic array of spheres, by fraction, contrast (sphere over matrix; 1e6 for infinity) and voxels
@@ -9,11 +9,18 @@
 // (count=, seed=). geometry: where smoothed labels put the surfaces of balls, cylinders, planes, thin walls and near
 // balls (tries= of each).
 //   fraction=0.1,0.2,0.3,0.4,0.5  contrast=0,0.001,0.1,10,1000,1e6  size=16,32,64,128  truths=FILE
+//
+// membranes: the same spheres, of whole voxels, with a resistance on their surface (sphere-membranes.csv), by what
+// faces carry: as much as the surface does, or as it is scaled; with bars of sizes up to bars=64. membrane-bars: how
+// often the bar of studyDiffusion() holds where the truth is known: such spheres and square arrays of disks anywhere,
+// periodic layers at an angle in the plane and in space; count= of them.
+//   resistance=0.1,1,10  membranes=FILE
 #include "Keys.h"
 #include "Shapes.h"
 #include "Table.h"
 
 #include "../tests/SphereShares.h"
+#include "../tests/verification/DiskArray.h"
 
 #include "core/Error.h"
 #include "lattice/LabelShares.h"
@@ -22,11 +29,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
 #include <limits>
+#include <memory>
+#include <numbers>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace
@@ -40,6 +51,7 @@ constexpr int levels = shareLevels;
 struct Truth
 {
   double fraction = 0, contrast = 0, value = 0;
+  double resistance = 0; ///< of the surface, times the matrix's conductivity over the radius
 };
 
 std::vector<Truth> truthsOf(const std::string& file)
@@ -49,7 +61,10 @@ std::vector<Truth> truthsOf(const std::string& file)
   for (std::string line; std::getline(in, line);)
   {
     Truth t;
-    if (std::sscanf(line.c_str(), "%lf,%lf,%lf", &t.fraction, &t.contrast, &t.value) == 3)
+    const int found = std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &t.fraction, &t.contrast, &t.value, &t.resistance);
+    if (found == 4)
+      std::swap(t.value, t.resistance);
+    if (found >= 3)
       truths.push_back(t);
   }
   if (truths.empty())
@@ -432,11 +447,176 @@ void geometry(const Keys& keys)
   }
 }
 
+/// Whether a table's line was asked for.
+bool wanted(const Keys& keys, const char* key, double value)
+{
+  const std::vector<double> all = list(keys, key, value);
+  return std::ranges::find(all, value) != all.end();
+}
+
+/// Each face carries what the surface does.
+double literally(const PhaseImage& image, double contrast, const lbm::Membrane& membrane)
+{
+  const lbm::MembraneIds ids{ image.phase, { 0, 1 }, { 1, 1 }, {}, {} };
+  const std::vector<double> k{ 1, contrast };
+  lbm::SteadyOptions o = alongX().steady;
+  o.pairs =
+    std::make_shared<lbm::PairTable>(lbm::membraneLinks(ids, k, std::vector{ membrane }, image.lattice.spacing));
+  lbm::SteadyDiffusion solver(image.lattice, decompose(image.lattice, MPI_COMM_SELF), ids.id, k, o);
+  return solver.solve(0).effective[0];
+}
+
+void membranes(const Keys& keys)
+{
+  const std::vector<double> sizes = keys.contains("size") ? list(keys, "size", 0) : std::vector{ 32.0, 64.0, 128.0 };
+  const double largest = number(keys, "bars", 64);
+  Table table(
+    keys, "surface-shares", "membranes", "fraction,contrast,resistance,nodes,value,literal_error,error,bar,held");
+  int held = 0;
+  int bars = 0;
+  for (const Truth& t : truthsOf(text(keys, "membranes", MEMBRANE_TRUTHS)))
+  {
+    if (!wanted(keys, "fraction", t.fraction) || !wanted(keys, "contrast", t.contrast) ||
+      !wanted(keys, "resistance", t.resistance))
+      continue;
+    fmt::print("fraction {:g}, spheres of {:g}, resistance {:g}: {:.6f}; errors [%]\n", t.fraction, t.contrast,
+      t.resistance, t.value);
+    for (const double size : sizes)
+    {
+      const auto n = static_cast<std::int64_t>(size);
+      PhaseImage image = cell(n);
+      for (const double s : test::sphereShares(n, t.fraction))
+        image.phase.push_back(s >= 0.5 ? 1 : 0);
+      const lbm::Membrane membrane{ 0, 1, t.resistance * std::cbrt(3 * t.fraction / (4 * std::numbers::pi)) };
+      lbm::StudyOptions study = alongX();
+      study.membranes = { membrane };
+      study.estimateError = size <= largest;
+      const auto found = lbm::studyDiffusion(image, std::vector{ 1.0, t.contrast }, study, MPI_COMM_SELF).front();
+      const double value = found.result.effective[0];
+      const auto error = [&](double v) { return 100 * (v / t.value - 1); };
+      const double plain = literally(image, t.contrast, membrane);
+      const double bar = 100 * found.error.relative;
+      const bool holds = std::abs(error(value)) <= bar;
+      bars += study.estimateError ? 1 : 0;
+      held += study.estimateError && holds ? 1 : 0;
+      fmt::print("  {:>4}  literally {:+8.3f}, scaled {:+8.3f}", n, error(plain), error(value));
+      if (study.estimateError)
+        fmt::print(", bar {:.3f}{}", bar, holds ? "" : " does not hold");
+      fmt::print("\n");
+      table.line(t.fraction, t.contrast, t.resistance, n, value, error(plain), error(value), bar, holds ? 1 : 0);
+      std::fflush(stdout);
+    }
+  }
+  fmt::print("bars held {} of {}\n", held, bars);
+}
+
+/// A periodic cell with membranes whose conductivity along x is known, over that of phase 0.
+struct MembraneCase
+{
+  const char* kind = "";
+  PhaseImage image;
+  double contrast = 1;
+  double resistance = 0; ///< the cell's side is 1
+  double truth = 1;
+};
+
+double logUniform(Random& random, double low, double high)
+{
+  return low * std::pow(high / low, uniform(random, 0, 1));
+}
+
+MembraneCase randomMembranes(Random& random, int kind, const std::vector<Truth>& spheres)
+{
+  MembraneCase c;
+  const Spot centre{ uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1) };
+  const int n = static_cast<int>(kind % 2 == 0 ? 20 + 2 * (random() % 15) : 24 + 2 * (random() % 40));
+  c.contrast = logUniform(random, 1e-3, 1e3);
+  const double relative = logUniform(random, 0.03, 30);
+  if (kind == 0)
+  {
+    const Truth& t = spheres[random() % spheres.size()];
+    const double radius = std::cbrt(3 * t.fraction / (4 * std::numbers::pi));
+    c = { "sphere", sampled(3, cube(n, 3), [&](Spot p) { return near2(p, centre) < radius * radius; }), t.contrast,
+      t.resistance * radius, t.value };
+  }
+  else if (kind == 1)
+  {
+    const double fraction = uniform(random, 0.05, 0.5);
+    const double radius = std::sqrt(fraction / std::numbers::pi);
+    c.kind = "disk";
+    c.image = sampled(2, cube(n, 2), [&](Spot p) { return near2(p, { centre.x, centre.y, 0 }) < radius * radius; });
+    c.resistance = relative * radius;
+    c.truth = test::squareArrayOfDisks(fraction, c.contrast, 40, relative);
+  }
+  else
+  {
+    const bool space = kind == 2;
+    const auto waves = [&] { return static_cast<double>(random() % 4); };
+    const std::array<double, 3> wave{ 1 + static_cast<double>(random() % 3), waves(), space ? waves() : 0.0 };
+    const double square = wave[0] * wave[0] + wave[1] * wave[1] + wave[2] * wave[2];
+    const double part = uniform(random, 0.3, 0.7);
+    c.kind = space ? "layers" : "layers in the plane";
+    c.image = sampled(space ? 3 : 2, cube(n, space ? 3 : 2),
+      [&](Spot p)
+      {
+        const double s = wave[0] * p.x + wave[1] * p.y + wave[2] * p.z + centre.x;
+        return s - std::floor(s) < part;
+      });
+    c.resistance = relative / std::sqrt(square);
+    const double across = 1 / (part / c.contrast + 1 - part + 2 * relative); // the period is 1/√square
+    const double along = part * c.contrast + 1 - part;
+    c.truth = along + (across - along) * wave[0] * wave[0] / square;
+  }
+  return c;
+}
+
+void membraneBars(const Keys& keys)
+{
+  const int count = static_cast<int>(number(keys, "count", 100));
+  Random random(static_cast<std::uint64_t>(number(keys, "seed", 1)));
+  const std::vector<Truth> spheres = truthsOf(text(keys, "membranes", MEMBRANE_TRUTHS));
+  Table table(keys, "surface-shares", "membrane-bars", "kind,nodes,contrast,resistance,value,bar,truth,error,held");
+  int held = 0;
+  std::vector<double> ratios;
+  std::vector<double> errors;
+  for (int i = 0; i < count; ++i)
+  {
+    const MembraneCase c = randomMembranes(random, i % 4, spheres);
+    lbm::StudyOptions study;
+    study.axes = { 0 };
+    study.steady.stencil = c.image.lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;
+    study.steady.sides = lbm::Sides::Periodic;
+    study.steady.tolerance = 1e-5;
+    study.membranes = { { 0, 1, c.resistance } };
+    const auto found = lbm::studyDiffusion(c.image, std::vector{ 1.0, c.contrast }, study, MPI_COMM_SELF).front();
+    const double value = found.result.effective[0];
+    const double error = std::abs(value / c.truth - 1);
+    // the bar is of the value, and so is the error that it is held against
+    const bool holds = std::abs(value - c.truth) <= found.error.relative * value;
+    held += holds ? 1 : 0;
+    ratios.push_back(found.error.relative / error);
+    errors.push_back(error);
+    const auto n = c.image.lattice.size[0];
+    table.line(c.kind, n, c.contrast, c.resistance, value, found.error.relative, c.truth, error, holds ? 1 : 0);
+    if (!holds)
+      fmt::print("  {} {} nodes, contrast {:g}, resistance {:g}: {:.5f}, bar {:.2f} %, truth {:.5f}, error {:.2f} %\n",
+        c.kind, n, c.contrast, c.resistance, value, 100 * found.error.relative, c.truth, 100 * error);
+  }
+  const auto median = [](std::vector<double> v)
+  {
+    std::ranges::sort(v);
+    return v[v.size() / 2];
+  };
+  fmt::print("held {} of {}; bar over error {:.2g}, error {:.2g} % (medians)\n", held, count, median(ratios),
+    100 * median(errors));
+}
+
 void run(const Keys& keys)
 {
   runStudies(keys,
     { { "spheres", [&] { spheres(keys); } }, { "bars", [&] { bars(keys); } }, { "labels", [&] { labels(keys); } },
-      { "geometry", [&] { geometry(keys); } } });
+      { "geometry", [&] { geometry(keys); } }, { "membranes", [&] { membranes(keys); } },
+      { "membrane-bars", [&] { membraneBars(keys); } } });
 }
 
 } // namespace

@@ -1,8 +1,9 @@
 """Effective conductivity of the simple cubic array of spheres: the truths of the benchmark "surface-shares".
 
-    /usr/bin/python3 benchmarks/sphere-arrays.py [output=FILE]
+    /usr/bin/python3 benchmarks/sphere-arrays.py [output=FILE] [membranes=FILE]
 
-Checks itself against known values, then writes FILE (default: benchmarks/sphere-arrays.csv). Conductivities are over the matrix's.
+Checks itself against known values, then writes two files (default: benchmarks/sphere-arrays.csv and sphere-membranes.csv). Conductivities
+are over the matrix's.
 
 Rayleigh's method (Phil. Mag. 34 (1892) 481) as McPhedran and McKenzie (Proc. R. Soc. A 359 (1978) 45) and Sangani and Acrivos (Proc. R. Soc.
 A 386 (1983) 263) have it. Cells of side 1, mean gradient 1 along z. Around a sphere of radius a the potential is the sum over l, m of
@@ -13,6 +14,10 @@ A_lm r^l Y_lm + B_lm r^-(l+1) Y_lm; by symmetry l is odd and m a multiple of 4. 
 and A_lm is the mean gradient and what the multipoles of all other spheres add: sums over the lattice of solid harmonics of the orders
 l + l' = 2, 4, 6 ... That of order 2 does not converge absolutely; periodic potentials without a mean gradient give it the value 2 pi/3. The
 others are done as Ewald's sums. Of the dipole, k = 1 - 4 pi B_10. Orders l grow until the first 8 digits stand still.
+
+Spheres whose surface has a resistance R, where the potential jumps by R times the flux: inside it is A r^l, the flux k l A a^(l-1), the
+potential outside A a^l (1 + l k R/a). So at order l they answer like perfect ones of the conductivity k/(1 + l k R/a), and at l = 1 as
+Hasselman and Johnson (J. Compos. Mater. 21 (1987) 508) and Benveniste (J. Appl. Phys. 61 (1987) 2840) have it.
 """
 
 import csv
@@ -25,6 +30,7 @@ from spheres import sangani_acrivos
 
 FRACTIONS = (0.1, 0.2, 0.3, 0.4, 0.5)
 CONTRASTS = (0, 0.001, 0.1, 10, 1000, 1e6)
+MEMBRANES = {0.1: (0.1, 1, 10), 10: (0.1, 0.9, 1, 10), 1000: (0.1, 0.999, 1, 10)}  # R over radius and matrix, by contrast
 STILL = 1e-9  # change, relative, by four more orders
 HIGHEST = 61  # order l: enough for a gap between spheres of 0.015, at any contrast
 REACH = 6  # cells along each axis; what lies beyond is below 1e-15
@@ -84,21 +90,28 @@ def matrix(highest, radius):
     return orders, np.array([[entry(j, k, l, m) + (entry(j, k, l, -m) if m else 0) for l, m in orders] for j, k in orders])
 
 
-def truncated(fraction, contrast, highest):
+def behind(contrast, resistance, order):
+    """What a sphere with a resistance on its surface seems to conduct"""
+    return contrast / (1 + order * resistance * contrast) if contrast < float("inf") else 1 / (order * resistance) if resistance else contrast
+
+
+def truncated(fraction, contrast, highest, resistance):
     radius = np.cbrt(3 * fraction / (4 * pi))
     orders, added = matrix(highest, radius)
-    jump = np.array([l / (l + (2 * l + 1) / (contrast - 1)) if contrast != 1 else 0.0 for l, _ in orders])
+    seen = [behind(contrast, resistance, l) for l, _ in orders]
+    jump = np.array([l * (s - 1) / (l * (s - 1) + 2 * l + 1) if s < float("inf") else 1.0 for (l, _), s in zip(orders, seen)])
     gradient = np.zeros(len(orders))
     gradient[0] = 1
     multipoles = np.linalg.solve(np.eye(len(orders)) + jump[:, None] * added, -jump * gradient)
     return 1 - 3 * fraction * multipoles[0]
 
 
-def conductivity(fraction, contrast):
-    """@param contrast sphere over matrix, 0 to infinity"""
-    value = truncated(fraction, contrast, 1)
+def conductivity(fraction, contrast, resistance=0.0):
+    """@param contrast sphere over matrix, 0 to infinity
+    @param resistance of the sphere's surface, over its radius and times the matrix's conductivity"""
+    value = truncated(fraction, contrast, 1, resistance)
     for highest in range(5, HIGHEST + 1, 4):
-        before, value = value, truncated(fraction, contrast, highest)
+        before, value = value, truncated(fraction, contrast, highest, resistance)
         if abs(value - before) < STILL * value:
             return value
     raise SystemExit(f"error: fraction {fraction}, contrast {contrast}: orders to {HIGHEST} do not suffice")
@@ -124,6 +137,11 @@ def check():
     for s in (0, 0.1, 10, infinite):  # Maxwell: the next term is of the order fraction^(13/3)
         part = 1e-3 * (1 - 3 / (s + 2))
         known.append((f"fraction 0.001, contrast {s}", conductivity(1e-3, s), (1 + 2 * part) / (1 - part), 1e-11))
+    for s, r in ((0.1, 1), (10, 0.1), (10, 10), (infinite, 1)):  # Hasselman and Johnson
+        part = 1e-3 * (1 - 3 / (behind(s, r, 1) + 2))
+        known.append((f"fraction 0.001, contrast {s}, resistance {r}", conductivity(1e-3, s, r), (1 + 2 * part) / (1 - part), 1e-11))
+    known.append(("a sphere that is not seen", conductivity(0.4, 10, 0.9), 1, 1e-12))
+    known.append(("a surface that lets nothing through", conductivity(0.3, 10, 1e9), conductivity(0.3, 0), 1e-8))
     failed = [f"{name}: {value:.9g} instead of {wanted:.9g}" for name, value, wanted, within in known if not abs(value - wanted) <= within]
     if failed:
         raise SystemExit("error: " + "\n".join(failed))
@@ -139,6 +157,13 @@ def main():
         table = csv.writer(out, lineterminator="\n")
         table.writerow(["fraction", "contrast", "conductivity"])
         table.writerows([f, f"{s:g}", f"{conductivity(f, s):.8f}"] for f in FRACTIONS for s in CONTRASTS)
+    print(file)
+    file = pathlib.Path(keys.get("membranes", pathlib.Path(__file__).with_name("sphere-membranes.csv")))
+    with file.open("w", newline="") as out:
+        out.write("# The same of spheres whose surface has a resistance: times the matrix's conductivity, over the radius.\n")
+        table = csv.writer(out, lineterminator="\n")
+        table.writerow(["fraction", "contrast", "resistance", "conductivity"])
+        table.writerows([f, f"{s:g}", f"{r:g}", f"{conductivity(f, s, r):.8f}"] for f in FRACTIONS[:4] for s in MEMBRANES for r in MEMBRANES[s])
     print(file)
 
 

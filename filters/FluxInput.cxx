@@ -119,8 +119,10 @@ void findPhases(vtkImageData* piece, FluxInput& input)
         "apply Steady Diffusion to the image as it is now");
     }
   }
-  // Conductivities along and across walls: the links need more than the phases, the nodes' fluxes have to do.
+  // Conductivities along and across walls, membranes: the links need more than the phases, the nodes' fluxes have to
+  // do.
   const bool directed = !fieldNumbers(piece, "phase_conductivity_across").empty() ||
+    !fieldNumbers(piece, "membrane_resistance").empty() ||
     fieldText(piece, "lattice").value_or("") == lbm::name(lbm::Stencil::Q1);
   if (array != nullptr && array->GetNumberOfComponents() == 1 && !input.conductivity.empty() && !directed)
     input.phaseArray = name;

@@ -152,9 +152,23 @@ private:
   /// Who solves a lattice: all ranks, or each by itself.
   [[nodiscard]] MPI_Comm handleOf(const Lattice& lattice) const { return shares(lattice) ? comm_ : MPI_COMM_SELF; }
 
-  /// @param refined the nodes of `part`, split
-  /// @param solves  for how many directions
-  SteadyDiffusion solverOf(const PhaseImage& refined, const Part& part, int refinement, bool fields, int solves = 1)
+  /// What membranes make of a picture; none: there are no membranes. @param axis that is solved along
+  [[nodiscard]] std::optional<MembraneIds> membranesOf(
+    const PhaseImage& refined, const Part& part, int refinement, int axis) const
+  {
+    if (options_.membranes.empty())
+      return std::nullopt;
+    const Sides sides = part.window ? Sides::Insulated : options_.steady.sides;
+    std::array<bool, 3> wraps{ sides != Sides::Insulated, sides != Sides::Insulated, sides != Sides::Insulated };
+    wraps[static_cast<std::size_t>(axis)] = sides == Sides::Periodic;
+    return membraneIds(refined, refinement, options_.membranes, wraps);
+  }
+
+  /// @param refined   the nodes of `part`, split
+  /// @param membranes of these nodes, which outlive the solver, or null
+  /// @param solves    for how many directions
+  SteadyDiffusion solverOf(const PhaseImage& refined, const MembraneIds* membranes, const Part& part, int refinement,
+    bool fields, int solves = 1)
   {
     const MPI_Comm handle = handleOf(refined.lattice);
     const Block block = decompose(refined.lattice, handle);
@@ -184,6 +198,18 @@ private:
       }
     }
     const bool whole = block.count() == refined.lattice.count();
+    if (membranes != nullptr)
+    {
+      auto pairs = std::make_shared<PairTable>(
+        membraneLinks(*membranes, diffusivity_, options_.membranes, refined.lattice.spacing));
+      std::vector<double> byId;
+      for (const std::uint8_t phase : membranes->phase)
+        byId.push_back(diffusivity_[phase]);
+      steady.pairs = std::move(pairs);
+      return whole
+        ? SteadyDiffusion(refined.lattice, block, membranes->id, byId, steady, handle)
+        : SteadyDiffusion(refined.lattice, block, blockOf(refined.lattice, membranes->id, block), byId, steady, handle);
+    }
     return whole ? SteadyDiffusion(refined.lattice, block, refined.phase, diffusivity_, steady, handle)
                  : SteadyDiffusion(refined.lattice, block, blockOf(refined, block), diffusivity_, steady, handle);
   }
@@ -193,7 +219,8 @@ private:
     RefinementStep& step, bool fields, bool whole = false)
   {
     const Communicator comm(handleOf(refined.lattice));
-    SteadyDiffusion solver = solverOf(refined, part, refinement, fields);
+    const std::optional<MembraneIds> membranes = membranesOf(refined, part, refinement, answer.axis);
+    SteadyDiffusion solver = solverOf(refined, membranes ? &*membranes : nullptr, part, refinement, fields);
     if (!std::exchange(pathsKnown_, true)) // splitting pixels changes no neighbourhood: the first solve tells of all
       requirePaths(solver, options_.axes, image_.lattice.dimension);
     SteadyResult result = solver.solve(answer.axis);
@@ -202,7 +229,9 @@ private:
     step.iterations += result.iterations;
     step.seconds += comm.max(result.setupSeconds + result.solveSeconds);
     step.value = valueOf(result, answer.axis);
-    if (whole && options_.derivatives)
+    if (whole && membranes && (options_.derivatives || options_.estimateError))
+      takeMembranes(solver, *membranes, refined.lattice.spacing, step.value, answer);
+    else if (whole && options_.derivatives)
       answer.derivatives = solver.derivatives();
     if (whole && options_.surfaces)
     {
@@ -215,6 +244,21 @@ private:
     if (fields)
       sink_(solver, answer, refined.lattice, decompose(refined.lattice, handleOf(refined.lattice)));
     return result;
+  }
+
+  /// Derivatives, and what an error of the surfaces' area leaves; of planes along the lattice that is exact.
+  void takeMembranes(const SteadyDiffusion& solver, const MembraneIds& membranes, double spacing, double value,
+    DiffusionAnswer& answer) const
+  {
+    ConductivityDerivatives by =
+      membraneDerivatives(solver.pairDerivatives(), membranes, diffusivity_, options_.membranes, spacing);
+    double part = 0;
+    if (std::ranges::any_of(membranes.flatness, [](double f) { return f < 1; }))
+      for (std::size_t i = 0; i < by.membranes.size(); ++i)
+        part += std::abs(by.membranes[i]) * options_.membranes[i].resistance / value;
+    answer.membraneError = membraneAreaError * part;
+    if (options_.derivatives)
+      answer.derivatives = std::move(by);
   }
 
   static double valueOf(const SteadyResult& result, int axis)
@@ -437,7 +481,10 @@ private:
       part.first = window.first;
       part.window = true;
       const Communicator comm(handleOf(picture.lattice));
-      SteadyDiffusion solver = solverOf(picture, part, options_.refinement, false, static_cast<int>(answers.size()));
+      const std::optional<MembraneIds> membranes =
+        membranesOf(picture, part, options_.refinement, answers.front().axis);
+      SteadyDiffusion solver = solverOf(
+        picture, membranes ? &*membranes : nullptr, part, options_.refinement, false, static_cast<int>(answers.size()));
       for (std::size_t i = 0; i < answers.size(); ++i)
       {
         try
@@ -477,17 +524,22 @@ private:
   {
     for (std::size_t i = 0; i < answers.size(); ++i)
       if (pictures_[i])
+      {
         answers[i].error = withSolver(pictures_[i]->estimate(changes_[i], lattices_[i]), answers[i].result);
+        answers[i].error.relative += answers[i].membraneError;
+        answers[i].error.picture += answers[i].membraneError;
+      }
   }
 
   /// The worst total error once pixels are split `times` as often as now; infinite where it is not known.
-  [[nodiscard]] double foreseen(double times) const
+  [[nodiscard]] double foreseen(double times, const std::vector<DiffusionAnswer>& answers) const
   {
     double worst = 0;
     for (std::size_t i = 0; i < pictures_.size(); ++i)
     {
       const double change = changes_[i] + (1 - 1 / times) * lattices_[i];
-      const double bar = pictures_[i] ? pictures_[i]->bar(change) / (1 + change) : std::nan("");
+      const double bar =
+        pictures_[i] ? pictures_[i]->bar(change) / (1 + change) + answers[i].membraneError : std::nan("");
       worst = std::isfinite(bar) ? std::max(worst, bar) : std::numeric_limits<double>::infinity();
     }
     return worst;
@@ -507,7 +559,7 @@ private:
     {
       constexpr int mostDoublings = 12;
       int doublings = 1;
-      while (doublings <= mostDoublings && foreseen(std::exp2(doublings)) > target)
+      while (doublings <= mostDoublings && foreseen(std::exp2(doublings), answers) > target)
         ++doublings;
       if (doublings > mostDoublings)
       {
@@ -632,13 +684,17 @@ private:
 
 std::vector<std::uint8_t> blockOf(const PhaseImage& image, const Block& block)
 {
+  return blockOf(image.lattice, image.phase, block);
+}
+
+std::vector<std::uint8_t> blockOf(const Lattice& lattice, std::span<const std::uint8_t> ids, const Block& block)
+{
   std::vector<std::uint8_t> part(static_cast<std::size_t>(block.count()));
   auto out = part.begin();
   for (std::int64_t z = 0; z < block.size[2]; ++z)
     for (std::int64_t y = 0; y < block.size[1]; ++y)
-      out =
-        std::copy_n(image.phase.begin() + image.lattice.index(block.start[0], y + block.start[1], z + block.start[2]),
-          block.size[0], out);
+      out = std::copy_n(
+        ids.begin() + lattice.index(block.start[0], y + block.start[1], z + block.start[2]), block.size[0], out);
   return part;
 }
 
@@ -654,6 +710,14 @@ std::vector<DiffusionAnswer> studyDiffusion(const PhaseImage& image, std::span<c
     throw ParameterError(
       fmt::format("{} axes were given for a picture of {} nodes", options.directed->axis.size(), image.phase.size()),
       "give one for every node");
+  if (!options.membranes.empty() && options.directed)
+    throw ParameterError("membranes between phases that conduct along and across an axis",
+      "give each phase one conductivity, or leave the membranes out");
+  if (!options.membranes.empty() && options.surfaces)
+    throw ParameterError("derivatives by where surfaces lie, of surfaces with membranes", "leave one of them out");
+  if (!options.membranes.empty() && !image.lattice.cubes())
+    throw ParameterError(
+      "membranes in a picture whose spacings differ between axes", "resample it to square pixels, or cubes");
   return Study(image, diffusivity, options, comm, sink).run();
 }
 

@@ -3,6 +3,7 @@
 #include "lattice/Phases.h"
 #include "lattice/PictureError.h"
 #include "lbm/DirectedLinks.h"
+#include "lbm/Membranes.h"
 #include "lbm/SteadyDiffusion.h"
 #include "statistics/WindowError.h"
 
@@ -58,6 +59,7 @@ struct DiffusionAnswer
   ErrorEstimate error;
   ConductivityDerivatives derivatives; ///< where they were asked for
   SurfaceDerivatives surfaces;         ///< likewise; per pixel of the picture, refined or not
+  double membraneError = 0;            ///< relative, what the area of surfaces with membranes leaves; in `error`
   /// How far the picture speaks for its material; none where it was not asked for, or the picture is too small to be
   /// cut.
   std::optional<statistics::WindowError> window;
@@ -92,6 +94,9 @@ struct StudyOptions
   /// else on D2Q9 (directedLinks()). A refined pixel's nodes have its axis. The study's diffusivities are then
   /// directed->larger().
   std::shared_ptr<const DirectedDiffusivity> directed;
+  /// Resistances on the surfaces between phases; straight links, cubes. Each picture that is solved has them by its own
+  /// steps (membraneIds()), so that coarser ones tell what steps do to them.
+  std::vector<Membrane> membranes;
 };
 
 /// Called after the solve whose fields count, for each axis, before the solver goes: take value() and flux() here.
@@ -102,9 +107,10 @@ using FieldSink = std::function<void(
 ///
 /// The error is that of the value against the material's (PictureError): the picture's subsamples are solved, which
 /// takes about as long as the picture itself, and its pixels split in two for the part that is the lattice's. Where
-/// nothing conducts in a subsample its value is 0. What this does not see: features below a pixel of which no pixel
-/// tells, a segmentation that errs (`surfaces` tells what that does), and how far the picture speaks for more material
-/// than it shows.
+/// nothing conducts in a subsample its value is 0. With membranes between phases whose surfaces do not lie along the
+/// lattice also what membraneAreaError of them is worth. What this does not see: features below a pixel of which no
+/// pixel tells, a segmentation that errs (`surfaces` tells what that does), and how far the picture speaks for more
+/// material than it shows.
 ///
 /// @param image        the whole picture, the same on every rank
 /// @param diffusivity  one a phase id
@@ -115,5 +121,8 @@ using FieldSink = std::function<void(
 
 /// This rank's part of a picture that every rank holds.
 [[nodiscard]] std::vector<std::uint8_t> blockOf(const PhaseImage& image, const Block& block);
+/// The same of ids.
+[[nodiscard]] std::vector<std::uint8_t> blockOf(
+  const Lattice& lattice, std::span<const std::uint8_t> ids, const Block& block);
 
 } // namespace lamella::lbm

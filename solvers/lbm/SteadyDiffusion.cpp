@@ -94,6 +94,8 @@ double Problem::contrast() const
   if (table != nullptr)
     for (const auto* links : { &table->x, &table->y, &table->rising, &table->falling })
       see(*links);
+  else if (options.pairs)
+    see(options.pairs->link);
   else
     see(diffusivity);
   return most / least;

@@ -85,8 +85,9 @@ struct SteadyOptions
 /// How an effective conductivity changes with those that it is made of, at its own direction: ∂K/∂k, one number each.
 struct ConductivityDerivatives
 {
-  std::vector<double> along;  ///< by phase id; of shares of the low and of the high phase. NaN: it does not conduct
-  std::vector<double> across; ///< of phases that conduct along and across an axis; empty where none does
+  std::vector<double> along;     ///< by phase id; of shares of the low and of the high phase. NaN: it does not conduct
+  std::vector<double> across;    ///< of phases that conduct along and across an axis; empty where none does
+  std::vector<double> membranes; ///< by resistance, of each membrane (Membranes.h); empty where there is none
 };
 
 /// How it changes where a surface between two phases is moved: by pair of ids, [a * ids + b] with a < b.

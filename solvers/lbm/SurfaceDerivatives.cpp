@@ -2,6 +2,7 @@
 
 #include "lbm/BoxField.h"
 #include "lbm/PhaseRows.h"
+#include "lbm/SurfaceSlope.h"
 
 #include "core/Error.h"
 
@@ -100,21 +101,8 @@ public:
       const std::int64_t x = inside(n, 0, dx) ? n.x + dx : n.x;
       return x < 0 ? x + block_.size[0] : x >= block_.size[0] ? x - block_.size[0] : x;
     };
-    const std::int64_t low = beside(-1);
-    const std::int64_t high = beside(1);
-    std::array<int, 3> slope{ 0, 0, 0 };
-    for (int dz = -depth; dz <= depth; ++dz)
-      for (int dy = -1; dy <= 1; ++dy)
-      {
-        const std::uint8_t* const row = phases_(inside(n, 1, dy) ? n.y + dy : n.y, inside(n, 2, dz) ? n.z + dz : n.z);
-        const int before = static_cast<int>(row[low] == n.phase);
-        const int after = static_cast<int>(row[high] == n.phase);
-        const int weight = (2 - std::abs(dy)) * (2 - std::abs(dz));
-        const int all = weight * (before + 2 * static_cast<int>(row[n.x] == n.phase) + after);
-        slope[0] += weight * (before - after);
-        slope[1] -= all * dy;
-        slope[2] -= all * dz;
-      }
+    const std::array<int, 3> slope = surfaceSlope<1>(n.phase, depth, { beside(-1), n.x, beside(1) },
+      [&](int dy, int dz) { return phases_(inside(n, 1, dy) ? n.y + dy : n.y, inside(n, 2, dz) ? n.z + dz : n.z); });
     Vector sum{ slope[0] / spacing_[0], slope[1] / spacing_[1], slope[2] / spacing_[2] };
     const double length = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);
     for (double& component : sum)

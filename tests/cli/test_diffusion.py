@@ -382,6 +382,59 @@ class Walls(Case):
         self.assertAlmostEqual(0.023 * wall["lumen"] + 1.2 * wall["wall"] + 0.8 * wall["wall:across"], both["effective"]["x"], delta=1e-9)
         self.fails(2, "'wide' is not how far", "wall=0.41±0.02", "diffusion", *words, "--conductivity", "lumen=0.026,wall=0.41±wide")
 
+    def test_membranes(self):
+        self.works("generate", "laminate", "--size", "40,8", "--pixel-size", "1um", "--cells", "4", "-o", "layers.png")
+        words = ["layers.png", "--conductivity", "matrix=2,inclusion=0.5", "--direction", "x"]
+        run = lambda *more: self.works("diffusion", *words, *more, "--json").json()  # noqa: E731
+        # 4 pairs of layers of 5 pixels between two faces: 7 surfaces
+        layers = 4 * 5e-6 * (1 / 2 + 1 / 0.5)
+        answer = run("--membrane", "inclusion-matrix=3e-6", "--sensitivity")
+        exact = 40e-6 / (layers + 7 * 3e-6)
+        self.assertAlmostEqual(answer["effective"]["x"] / exact, 1, delta=1e-8)
+        self.assertAlmostEqual(answer["bounds"]["series"] / exact, 1, delta=1e-8)
+        self.assertEqual(answer["bounds"]["hashin_shtrikman"][0], answer["bounds"]["series"])
+        membrane, = answer["membranes"]
+        self.assertEqual((membrane["name"], membrane["resistance"]), ("matrix-inclusion", 3e-6))
+        self.assertAlmostEqual(membrane["area"] * 40e-6 / 7, 1, delta=1e-12)
+        by = answer["sensitivity"]["x"]
+        self.assertAlmostEqual(membrane["sensitivity"]["x"] / (-7 * exact * exact / 40e-6), 1, delta=1e-6)
+        self.assertAlmostEqual((2 * by["matrix"] + 0.5 * by["inclusion"] - 3e-6 * membrane["sensitivity"]["x"]) / exact, 1, delta=1e-8)
+        self.assertAlmostEqual(run("--permeance", "matrix-inclusion=333333.33333333")["effective"]["x"] / exact, 1, delta=1e-8)
+        self.assertAlmostEqual(run("--membrane", "matrix-inclusion=3e-6", "--refine", "2")["effective"]["x"] / exact, 1, delta=1e-8)
+        periodic = run("--membrane", "matrix-inclusion=3e-6", "--sides", "periodic", "--window-error")
+        self.assertAlmostEqual(periodic["effective"]["x"] / (40e-6 / (layers + 8 * 3e-6)), 1, delta=1e-8)
+        two = self.works("diffusion", *words, "--membrane", "matrix-inclusion=3e-6", "--json", ranks=2).json()
+        self.assertAlmostEqual(two["effective"]["x"] / exact, 1, delta=1e-8)
+        self.assertIsNone(run()["membranes"])
+        text = self.works("diffusion", *words, "--membrane", "matrix-inclusion=3e-6", "--sensitivity", "-o", "field.vti").out
+        for line in ("membrane          resistance  length over area [1/µm]", "matrix-inclusion  3e-06", "a resistance changes the value by",
+                     "membrane matrix-inclusion -"):
+            self.assertIn(line, text)
+        self.assertIn("membrane", pathlib.Path(self.folder, "field.vti").read_text(errors="replace"))
+        # links through membranes are not what the phases alone say
+        self.assertAlmostEqual(self.works("flux-map", "field.vti", "--json").json()["effective"]["x"] / exact, 1, delta=1e-8)
+        fails = lambda *rest: self.fails(2, *rest[:2], "diffusion", *words, *rest[2:])  # noqa: E731
+        good = ["--membrane", "matrix-inclusion=3e-6"]
+        fails("'matrix-wall', which are not two phases", "its phases are", "--membrane", "matrix-wall=1e-8")
+        fails("between 'matrix' and itself", "two different phases", "--membrane", "matrix-matrix=1e-8")
+        fails("resistance of the membrane matrix-inclusion is -1", "at least 0", "--membrane", "matrix-inclusion=-1")
+        fails("resistance of the membrane matrix-inclusion is inf", "a very large one", "--membrane", "matrix-inclusion=inf")
+        fails("resistance of the membrane matrix-inclusion is nan", "at least 0", "--membrane", "matrix-inclusion=nan")
+        fails("permeance of the membrane matrix-inclusion is 0", "above 0", "--permeance", "matrix-inclusion=0")
+        fails("'much' is not a number", "--membrane PAIR=VALUE", "--membrane", "matrix-inclusion=much")
+        fails("is given twice", "one resistance", *good, "--permeance", "inclusion-matrix=1e8")
+        fails("membranes on d2q9", "take d2q5", *good, "--lattice", "d2q9")
+        fails("membranes on q1", "take d2q5", *good, "--lattice", "q1")
+        fails("a segmentation error where surfaces have membranes", "leave one", *good, "--surface-doubt", "0.3")
+        pathlib.Path(self.folder, "bare_8x8x8_u8.raw").write_bytes(bytes([0, 0, 0, 0, 1, 1, 1, 1] * 64))
+        bare = ["diffusion", "bare_8x8x8_u8.raw", "--phase", "0=matrix", "--phase", "1=inclusion", *words[1:], *good]
+        self.fails(2, "does not say its pixel size", "--pixel-size", *bare)
+        self.fails(2, "membranes between voxels with edges of", "square pixels, or cubes", *bare, "--pixel-size", "1um", "--slice-distance", "2um")
+        third = ["--phase", "9=air", "--conductivity", "air=1", "--membrane", "air-matrix=1e-6", "--pixel-size", "1um"]
+        result = self.run_lamella(*bare, *third)
+        self.assertEqual(result.code, 0, result.err)
+        self.assertIn("no surface between the phases of the membrane matrix-air", result.err)
+
     def test_what_it_refuses(self):
         words = self.lattice()
         fails = lambda *rest: self.fails(*rest[:3], "diffusion", *words, *rest[3:])  # noqa: E731
@@ -443,6 +496,8 @@ class Greys(Case):
         fails(3, "no grey lies between 1 and 2: all are above", "lamella info", "--interpolate", "--conductivity", "1=1,2=10")
         fails(2, "one grey alone", "two greys", "--interpolate", "--conductivity", "40=1")
         fails(2, "'wall', which is no grey", "some greys", "--interpolate", "--conductivity", "40=1,wall=2")
+        fails(2, "membranes between greys", "image of phases", "--interpolate", "--conductivity", "40=1,220=2", "--pixel-size", "1um",
+              "--membrane", "40-220=1")
         fails(2, "interpolated conductivities with shares", "take one of them", "--interpolate", "--conductivity", "40=1,220=2", "--shares", "40,220")
         fails(2, "go with straight links", "d3q7", "--interpolate", "--conductivity", "40=1,220=2", "--pixel-size", "1um",
               "--slice-distance", "2um", "--lattice", "d3q19")

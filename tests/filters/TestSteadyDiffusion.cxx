@@ -167,6 +167,75 @@ double conductivityOfBall(vtkImageData* image, double none, double all)
   return filter->GetEffectiveConductivity()[0];
 }
 
+// Layers three nodes thick: between two faces 7 surfaces, of a cell that repeats 8.
+TEST(SteadyDiffusion, MembranesLieBetweenTwoPhases)
+{
+  for (const int depth : { 1, 24 })
+  {
+    const auto image = picture(24, 24, depth, layersAcrossX);
+    const double spacing = image->GetSpacing()[0];
+    const auto filter = solver(image, 0);
+    filter->SetMembrane("b-a", 2 * spacing);
+    EXPECT_EQ(filter->GetNumberOfMembranes(), 1);
+    EXPECT_EQ(filter->GetMembrane("b-a"), 2 * spacing);
+    ASSERT_EQ(errorOf(filter), "");
+    const double between = 24 / (24 / series + 7 * 2);
+    EXPECT_NEAR(filter->GetEffectiveConductivity()[0] / between, 1, exact);
+    vtkFieldData* const data = filter->GetOutput()->GetFieldData();
+    EXPECT_NEAR(data->GetArray("membrane_area")->GetTuple1(0) * spacing * 24 / 7, 1, 1e-12);
+    EXPECT_EQ(data->GetArray("membrane_resistance")->GetTuple1(0), 2 * spacing);
+    EXPECT_EQ(data->GetAbstractArray("membrane_names")->GetVariantValue(0).ToString(), "a-b");
+    EXPECT_EQ(data->GetArray("membrane_sensitivity"), nullptr);
+    EXPECT_NEAR(data->GetArray("bounds")->GetTuple1(0) / between, 1, exact);
+
+    filter->RemoveAllMembranes();
+    filter->SetPermeance("a-b", 0.5 / spacing);
+    EXPECT_EQ(filter->GetNumberOfPermeances(), 1);
+    EXPECT_EQ(filter->GetPermeance("a-b"), 0.5 / spacing);
+    filter->SetSides(vtkSteadyDiffusion::PERIODIC);
+    filter->SetComputeSensitivity(true);
+    ASSERT_EQ(errorOf(filter), "");
+    const double round = 24 / (24 / series + 8 * 2);
+    EXPECT_NEAR(filter->GetEffectiveConductivity()[0] / round, 1, exact);
+    // ∂K/∂R = −8 K²/L
+    EXPECT_NEAR(filter->GetOutput()->GetFieldData()->GetArray("membrane_sensitivity")->GetComponent(0, 0) /
+        (-8 * round * round / (24 * spacing)),
+      1, 1e-5);
+  }
+}
+
+TEST(SteadyDiffusion, MembranesThatCannotBe)
+{
+  const auto with = [](const char* pair, double resistance)
+  {
+    auto filter = solver(picture(24, 18, 1, layersAcrossX), 0);
+    filter->SetMembrane(pair, resistance);
+    return filter;
+  };
+  EXPECT_NE(errorOf(with("a-z", 1)).find("'a-z', which are not two phases"), std::string::npos);
+  EXPECT_NE(errorOf(with("a-a", 1)).find("between 'a' and itself"), std::string::npos);
+  EXPECT_NE(errorOf(with("a", 1)).find("between 'a' and itself"), std::string::npos);
+  EXPECT_NE(errorOf(with("a-b", -1)).find("the resistance of the membrane a-b is -1"), std::string::npos);
+  EXPECT_NE(errorOf(with("a-b", std::numeric_limits<double>::infinity())).find("a very large one"), std::string::npos);
+  for (const int lattice : { vtkSteadyDiffusion::D2Q9, vtkSteadyDiffusion::Q1 })
+  {
+    const auto filter = with("a-b", 1);
+    filter->SetLattice(lattice);
+    EXPECT_NE(errorOf(filter).find("take d2q5"), std::string::npos);
+  }
+  const auto across = with("a-b", 1);
+  across->SetConductivityAcross("b", 2);
+  EXPECT_NE(errorOf(across).find("along and across walls"), std::string::npos);
+  const auto shares = with("a-b", 1);
+  shares->SetShares(0, 1);
+  EXPECT_NE(errorOf(shares).find("membranes between greys"), std::string::npos);
+  const auto image = picture(24, 18, 1, layersAcrossX);
+  image->SetSpacing(1, 2, 1);
+  const auto flat = solver(image, 0);
+  flat->SetMembrane("a-b", 1);
+  EXPECT_NE(errorOf(flat).find("edges of 1 and 2"), std::string::npos);
+}
+
 TEST(SteadyDiffusion, SharesComeFromGreysOfAnyType)
 {
   const double bytes = conductivityOfBall(greyBall<vtkUnsignedCharArray>(40, 220), 40, 220);

@@ -444,6 +444,18 @@ class Diffusion(unittest.TestCase):
         with self.assertRaisesRegex(ValueError, "complex"):
             lamella.diffusion(greys.astype(complex), {0: 1, 1: 5}, interpolate=True)
 
+    def test_membranes(self):
+        layers = np.repeat([0, 1], 10)[:, None] * np.ones((1, 30), int)
+        sample = lamella.from_array(layers, spacing=1e-6)
+        result = lamella.diffusion(sample, {0: 1, 1: 10}, "y", membrane={"0-1": 2e-6}, sensitivity=True)
+        self.assertAlmostEqual(result.effective[1, 1], 20 / (10 / 1 + 10 / 10 + 2), places=8)
+        self.assertAlmostEqual(result.membrane_area["0-1"] * 20e-6, 1)
+        again = lamella.diffusion(sample, {0: 1, 1: 10}, "y", permeance={"0-1": 5e5}, estimate_error=False)
+        self.assertAlmostEqual(again.effective[1, 1], result.effective[1, 1], places=8)
+        self.assertEqual(lamella.diffusion(sample, {0: 1, 1: 10}, "y", estimate_error=False).membrane_area, {})
+        with self.assertRaisesRegex(lamella.ParameterError, "not two phases"):
+            lamella.diffusion(sample, {0: 1, 1: 10}, membrane={"0-7": 1})
+
     def test_laminate_is_exact(self):
         layers = np.repeat([0, 1], 10)[:, None] * np.ones((1, 30), int)  # the lower half conducts ten times better
         result = lamella.diffusion(layers, {0: 1, 1: 10}, tolerance=1e-10, estimate_error=True)

@@ -54,13 +54,16 @@ inline micrograph::ContourSet hexagonsOfDisks(double fraction, double side, int 
 /// T = (s − 1)/(s + 1),
 ///   B_n = −T a^2n (δ_n1 − Σ_m C(n+m−1, n) S_(n+m) B_m),  k = 1 − 2π B_1/A,
 /// where S_2 = π/A, and the others follow from S_4 and S_6 as in Laurent's series of Weierstrass's ℘.
+/// With a resistance R on the disks' surface the value jumps there by R times the flux: at order n they answer like
+/// perfect ones of s/(1 + n s R k/a), k the matrix's conductivity.
 /// @param fraction share of area (towards touching disks it takes ever more terms)
 /// @param s        conductivity of the disks over that of the matrix, ≥ 0
 /// @param area     A  @param s4, s6 lattice sums Σ z^-4, Σ z^-6
 /// @param terms    multipoles
-inline double arrayOfDisks(double fraction, double s, double area, double s4, double s6, int terms)
+/// @param resistance R k/a
+inline double arrayOfDisks(
+  double fraction, double s, double area, double s4, double s6, int terms, double resistance = 0)
 {
-  const double t = (s - 1) / (s + 1);
   const double a = std::sqrt(fraction * area / std::numbers::pi);
   const auto most = static_cast<std::size_t>(2 * terms + 1);
   // c_k = (2k − 1) S_2k, in units of a^2k so that nothing overflows
@@ -92,6 +95,8 @@ inline double arrayOfDisks(double fraction, double s, double area, double s4, do
     change = 0;
     for (std::size_t i = 0; i < size; ++i)
     {
+      const double seen = s / (1 + static_cast<double>(2 * i + 1) * s * resistance);
+      const double t = (seen - 1) / (seen + 1);
       double others = i == 0 ? -a : 0.0;
       for (std::size_t j = 0; j < size; ++j)
         others += sums[i * size + j] * x[j];
@@ -103,10 +108,10 @@ inline double arrayOfDisks(double fraction, double s, double area, double s4, do
 }
 
 /// The square array: S_4 = Γ(1/4)^8/(960 π²), S_6 = 0. Up to 0.7 of π/4; ten terms are enough for nine digits to 0.6.
-inline double squareArrayOfDisks(double fraction, double s, int terms = 40)
+inline double squareArrayOfDisks(double fraction, double s, int terms = 40, double resistance = 0)
 {
   return arrayOfDisks(
-    fraction, s, 1, std::pow(std::tgamma(0.25), 8) / (960 * std::numbers::pi * std::numbers::pi), 0, terms);
+    fraction, s, 1, std::pow(std::tgamma(0.25), 8) / (960 * std::numbers::pi * std::numbers::pi), 0, terms, resistance);
 }
 
 /// The hexagonal array, neighbours at distance 1 in cells of √3/2: S_4 = 0, S_6 = Γ(1/3)^18/(8960 π⁶). Up to 0.85 of

@@ -194,6 +194,10 @@ private:
         const Lattice& lattice = sample_.image.lattice;
         image_ = imageOf(sample_);
         giveConductivities(options_, bins.has_value(), sample_, image_);
+        if (filter_->GetNumberOfMembranes() + filter_->GetNumberOfPermeances() > 0 && sample_.pixelSizeSource == "none")
+          throw ParameterError(
+            "'" + options_.picture.file + "' does not say its pixel size, and membranes have a resistance by area",
+            "give it with --pixel-size, in the length that the resistance has: 1um where that is in m² K/W");
         image_->GetExtent(extent_.data());
         const int direction = filter_->GetDirection();
         for (int axis = 0; axis < 3; ++axis)
@@ -365,6 +369,7 @@ Command diffusionCommand(CLI::App& root)
       "lamella diffusion tissue.png --conductivity lumen=0.026 --conductivity wall=0.41±0.02",
       "lamella diffusion rock_200x200x200_u8.raw --phase 1=pore --other grain --conductivity pore=1 --conductivity "
       "grain=0",
+      "lamella diffusion grains.png --pixel-size 1um --conductivity grain=40,matrix=0.3 --membrane grain-matrix=1e-7",
       "lamella diffusion tissue.vti --conductivity lumen=0.023 --conductivity wall=1.2:0.8 --conductivity "
       "'middle lamella=1'",
       "mpirun -n 4 lamella diffusion tissue.vti --conductivity lumen=0 --conductivity wall=1 --direction z -o "

@@ -116,6 +116,21 @@ void addSensitivity(Json& json, const SteadyFindings& found)
   }
 }
 
+/// Of each pair of phases with a resistance between them; null where there is none.
+void addMembranes(Json& json, const SteadyFindings& found)
+{
+  json["membranes"] = nullptr;
+  for (const FoundMembrane& membrane : found.membranes)
+  {
+    Json one{ { "name", membrane.name }, { "resistance", membrane.resistance }, { "area", membrane.area },
+      { "sensitivity", nullptr } };
+    for (const auto& answer : found.answers)
+      if (const double by = found.membraneSensitivity(answer, membrane); !std::isnan(by))
+        one["sensitivity"][axisNames[answer.axis]] = by;
+    json["membranes"].push_back(one);
+  }
+}
+
 /// How far the picture speaks for its material, by direction; null where it was not asked for.
 void addWindow(Json& json, const SteadyFindings& found)
 {
@@ -154,6 +169,7 @@ void addValues(Json& json, const DiffusionReport& report)
       json[std::string(key) + "s"][axisNames[answer.axis]] = jsonNumber(answer.error.*kind);
   }
   addSensitivity(json, report.found);
+  addMembranes(json, report.found);
   addWindow(json, report.found);
   const bool aimed = report.found.targetError > 0;
   json["target_error"] = aimed ? Json(report.found.targetError) : Json(nullptr);
@@ -314,6 +330,14 @@ std::string phasesText(const DiffusionReport& report)
       text += "\n";
     }
   }
+  width = 8;
+  for (const FoundMembrane& membrane : report.found.membranes)
+    width = std::max(width, membrane.name.size());
+  if (!report.found.membranes.empty())
+    text += fmt::format("\n  {:<{}}  resistance  {} [1/µm]\n", "membrane", width,
+      report.found.dimension == 3 ? "surface over volume" : "length over area");
+  for (const FoundMembrane& membrane : report.found.membranes)
+    text += fmt::format("  {:<{}}  {:<10g}  {:.4g}\n", membrane.name, width, membrane.resistance, membrane.area * 1e-6);
   return text;
 }
 
@@ -364,9 +388,15 @@ std::string sensitivitiesText(const DiffusionReport& report)
         one.inputs.emplace_back(name, found.inputError(answer, id, other));
       }
     }
+    for (const FoundMembrane& membrane : found.membranes)
+      if (const double by = found.membraneSensitivity(answer, membrane); !std::isnan(by))
+        one.changes.emplace_back("membrane " + membrane.name, by * membrane.resistance / own(answer));
     text += sensitivityText(one, 1, "the conductivities'");
   }
-  return text.empty() ? text : "  1 % more of a conductivity changes the value by\n" + text;
+  return text.empty() ? text
+                      : fmt::format("  1 % more of a conductivity {}changes the value by\n",
+                          found.membranes.empty() ? "" : "or a resistance ") +
+      text;
 }
 
 /// By direction: what moving surfaces does to the value, and what the doubt about them leaves.

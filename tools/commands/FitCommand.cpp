@@ -584,8 +584,8 @@ Command fitCommand(CLI::App& root)
   addFitOptions(*byDiffusion, *diffusion, "PHASE[=START]", "x|y|z=VALUE±HALF");
   diffusion->settings.declare(*byDiffusion, "vtkSteadyDiffusion",
     { "conductivity", "conductivity-across", "conductivity-uncertainty", "conductivity-across-uncertainty",
-      "sensitivity", "target-error", "window-error", "segmentation-error", "surface-doubt", "shares", "interpolate",
-      "field", "flux" });
+      "sensitivity", "target-error", "window-error", "segmentation-error", "surface-doubt", "membrane", "permeance",
+      "shares", "interpolate", "field", "flux" });
   auto stiffness = std::make_shared<FitOptions>();
   CLI::App* const byStiffness = fit->add_subcommand("stiffness", "Moduli of phases from effective ones");
   addPictureOptions(*byStiffness, stiffness->picture);

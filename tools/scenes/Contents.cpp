@@ -33,7 +33,8 @@ const std::map<std::string, std::string>& reports()
       "sensitivity{x{*} y{*} z{*}} input_errors{x y z} total_errors{x y z} target_error target tensor bounds{series "
       "parallel hashin_shtrikman} "
       "iterations setup_seconds solve_seconds method directions{x y z} window warnings segmentation lattice sides "
-      "length tolerance balance solver_error nodes stored skipped solver_bytes conductivity_rounding slice_distance:m" +
+      "length tolerance balance solver_error nodes stored skipped solver_bytes conductivity_rounding membranes "
+      "slice_distance:m" +
         run },
     { "flux-map",
       "effective{x y z} tensor mean_flux tortuosity{x y z} tortuosity_factor{x y z} streamline_tortuosity{x y z} "
@@ -106,11 +107,13 @@ const std::map<std::string, std::string>& reports()
       "largest:Pa reference:Pa tail{threshold count share theta theta_error distance} phases thresholds bins bin_width "
       "seconds" },
     { "crack-path",
-      "phases_file dimension horizon broken_bonds cracks length:m main{length:m area:m² through start{x:m y:m} tip{x:m y:m} "
+      "phases_file dimension horizon broken_bonds cracks length:m main{length:m area:m² through start{x:m y:m} tip{x:m "
+      "y:m} "
       "extension:m} "
       "through{x{length:m in_voids:m in_solid:m chord:m tortuosity} y{length:m in_voids:m in_solid:m chord:m "
       "tortuosity}} angle:° "
-      "angle_spread:° left_out{cracks length:m spurs bonds faces} crushed_pieces area:m² counted_length:m counted_area:m² "
+      "angle_spread:° left_out{cracks length:m spurs bonds faces} crushed_pieces area:m² counted_length:m "
+      "counted_area:m² "
       "count_anisotropy "
       "normals paths pairs fragments{count largest_share severed} seconds" },
     { "compression-curve",

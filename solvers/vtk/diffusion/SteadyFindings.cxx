@@ -71,7 +71,7 @@ double SteadyFindings::windowError() const
 
 bool SteadyFindings::outlinesServe() const
 {
-  return dimension == 2 && across.empty() && !shares && !rounding &&
+  return dimension == 2 && across.empty() && !shares && !rounding && membranes.empty() &&
     std::ranges::count_if(
       fractions, [](double f) { return f > 0; }) == 2;
 }
@@ -107,6 +107,13 @@ double SteadyFindings::inputError(const lbm::DiffusionAnswer& answer, std::size_
   if (id >= doubt.size() || id >= by.size() || doubt[id] == 0)
     return 0;
   return std::abs(by[id]) * doubt[id] / answer.result.effective[static_cast<std::size_t>(answer.axis)];
+}
+
+double SteadyFindings::membraneSensitivity(const lbm::DiffusionAnswer& answer, const FoundMembrane& membrane)
+{
+  if (answer.derivatives.along.empty())
+    return notFound;
+  return membrane.place ? answer.derivatives.membranes[*membrane.place] : 0;
 }
 
 double SteadyFindings::inputError(const lbm::DiffusionAnswer& answer) const
@@ -207,6 +214,27 @@ void describe(vtkImageData* output, const SteadyFindings& found)
   };
   writeSensitivity("conductivity_sensitivity", &lbm::ConductivityDerivatives::along);
   writeSensitivity("conductivity_across_sensitivity", &lbm::ConductivityDerivatives::across);
+  if (!found.membranes.empty())
+  {
+    std::vector<std::string> names;
+    std::vector<double> resistance;
+    std::vector<double> area;
+    std::vector<double> sensitivity;
+    for (const FoundMembrane& membrane : found.membranes)
+    {
+      names.push_back(membrane.name);
+      resistance.push_back(membrane.resistance);
+      area.push_back(membrane.area);
+      for (const double by :
+        byDirection(found, [&](const auto& answer) { return found.membraneSensitivity(answer, membrane); }))
+        sensitivity.push_back(by);
+    }
+    setFieldTexts(output, "membrane_names", names);
+    setFieldNumbers(output, "membrane_resistance", resistance);
+    setFieldNumbers(output, "membrane_area", area);
+    if (std::ranges::any_of(sensitivity, [](double by) { return std::isfinite(by); }))
+      setFieldNumbers(output, "membrane_sensitivity", sensitivity);
+  }
   if (!found.uncertainty.empty() || !found.acrossUncertainty.empty())
     write("input_error_by_direction", [&](const auto& answer) { return found.inputError(answer); });
   if (!std::isnan(found.surfaceDoubt))
@@ -270,9 +298,12 @@ void describe(vtkImageData* output, const SteadyFindings& found)
   setFieldText(output, "quantity", found.quantity);
   if (found.targetError > 0)
     setFieldText(output, "target", lbm::name(found.answers.front().target));
-  continueProvenance(output, "steady_diffusion",
-    { { "conductivity", conductivityJson(found) }, { "direction", found.direction }, { "quantity", found.quantity },
-      { "sides", found.sides }, { "lattice", lbm::name(found.stencil) }, { "tolerance", found.tolerance } });
+  nlohmann::json settings{ { "conductivity", conductivityJson(found) }, { "direction", found.direction },
+    { "quantity", found.quantity }, { "sides", found.sides }, { "lattice", lbm::name(found.stencil) },
+    { "tolerance", found.tolerance } };
+  for (const FoundMembrane& membrane : found.membranes)
+    settings["membrane"][membrane.name] = membrane.resistance;
+  continueProvenance(output, "steady_diffusion", settings);
 }
 
 } // namespace lamella

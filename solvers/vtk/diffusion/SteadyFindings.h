@@ -20,6 +20,15 @@ class vtkImageData;
 namespace lamella
 {
 
+/// A membrane, and what there is of it.
+struct FoundMembrane
+{
+  std::string name;                   ///< of both phases, as lumen-wall
+  double resistance = 0;              ///< metres over the unit of conductivities
+  double area = 0;                    ///< of the surface over the volume [1/m]; 0: there is none
+  std::optional<std::size_t> place{}; ///< among derivatives
+};
+
 struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
 {
   std::vector<lbm::DiffusionAnswer> answers; ///< by direction that was solved
@@ -31,6 +40,8 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   std::vector<std::string> phases;           ///< names by id; of shares low and high, whatever the image's phases
   bool shares = false;                       ///< of two phases, told by greys
   std::optional<double> rounding;            ///< of conductivities interpolated between greys
+  std::vector<FoundMembrane> membranes;      ///< by pair of phases
+  double membraneSeries = 0; ///< of them, what a straight line meets, over its length; of the axis that meets most
   std::string phaseArray;
   int dimension = 2;
   lbm::Stencil stencil = lbm::Stencil::D2Q5;
@@ -63,6 +74,8 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   [[nodiscard]] double tortuosityFactor(const lbm::DiffusionAnswer& answer) const;
   /// What the uncertainty of one conductivity leaves of the value, relative. @param across the one across the wall
   [[nodiscard]] double inputError(const lbm::DiffusionAnswer& answer, std::size_t id, bool across) const;
+  /// ∂K/∂R of a membrane; NaN where it was not asked for, 0 where there is none of it.
+  [[nodiscard]] static double membraneSensitivity(const lbm::DiffusionAnswer& answer, const FoundMembrane& membrane);
   /// All of them, which are independent: the root of the sum of squares; NaN where none is told.
   [[nodiscard]] double inputError(const lbm::DiffusionAnswer& answer) const;
   /// What the surfaces' doubt leaves of the value, relative; the levels that part one phase from another each are

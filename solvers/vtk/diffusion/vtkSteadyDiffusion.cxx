@@ -4,6 +4,7 @@
 #include "BoxExchange.h"
 #include "DiffusionScene.h"
 #include "FieldLayers.h"
+#include "MembranePairs.h"
 #include "RefinedImage.h"
 #include "SteadyFindings.h"
 #include "SurfaceDoubt.h"
@@ -121,12 +122,15 @@ struct vtkSteadyDiffusion::Internals
   std::map<std::string, double> Across; ///< of the phases whose conductivity differs across the wall
   std::map<std::string, double> Uncertainty;
   std::map<std::string, double> AcrossUncertainty;
+  std::map<std::string, double> Membrane;
+  std::map<std::string, double> Permeance;
 
   // Of the update that is under way.
   std::vector<double> Values;        ///< by id: what is stored where it is above 0
   std::vector<double> Shares;        ///< by id: the part of a node in the phase `high`; empty: ids are phases
   std::vector<std::size_t> Smoothed; ///< ids of the two phases whose labels are smoothed; empty: they are not
   std::shared_ptr<lbm::DirectedDiffusivity> Directed;
+  std::vector<lbm::Membrane> Membranes; ///< of which the image has both phases
   lbm::SteadyOptions Steady;
   std::vector<int> Axes;
 
@@ -363,6 +367,29 @@ double vtkSteadyDiffusion::GetConductivityAcrossUncertainty(const char* phase)
   return lamella::named(this->Internal->AcrossUncertainty, phase);
 }
 
+vtkSetNamedMacro(vtkSteadyDiffusion, Membrane, Membranes, Internal->Membrane);
+vtkSetNamedMacro(vtkSteadyDiffusion, Permeance, Permeances, Internal->Permeance);
+
+int vtkSteadyDiffusion::GetNumberOfMembranes()
+{
+  return static_cast<int>(this->Internal->Membrane.size());
+}
+
+double vtkSteadyDiffusion::GetMembrane(const char* pair)
+{
+  return lamella::named(this->Internal->Membrane, pair);
+}
+
+int vtkSteadyDiffusion::GetNumberOfPermeances()
+{
+  return static_cast<int>(this->Internal->Permeance.size());
+}
+
+double vtkSteadyDiffusion::GetPermeance(const char* pair)
+{
+  return lamella::named(this->Internal->Permeance, pair);
+}
+
 bool vtkSteadyDiffusion::TellsSensitivity() const
 {
   return this->ComputeSensitivity || !this->Internal->Uncertainty.empty() || !this->Internal->AcrossUncertainty.empty();
@@ -437,6 +464,7 @@ int vtkSteadyDiffusion::RequestData(
   this->Internal->Directed.reset();
   this->Internal->Shares.clear();
   this->Internal->Smoothed.clear();
+  this->Internal->Membranes.clear();
   this->Internal->Steady = {};
   return done;
 }
@@ -471,6 +499,9 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
         ? "a segmentation error of conductivities interpolated between greys, which have no surfaces"
         : "a segmentation error where conductivities differ along and across walls",
       "leave it out, or give each phase one conductivity");
+  const bool membranes = !this->Internal->Membrane.empty() || !this->Internal->Permeance.empty();
+  if (membranes)
+    this->RefuseMembranes(shares);
   std::optional<lamella::GreyTable> table;
   std::optional<lamella::GreyBins> bins;
   team.agree(
@@ -482,7 +513,7 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
         bins = lamella::GreyBins::even(this->Shares[0], this->Shares[1]);
     });
   const bool gathered = this->EstimateError || this->EstimateWindowError || this->Refinement > 1 ||
-    this->TargetError > 0 || !this->Internal->Across.empty() || parts;
+    this->TargetError > 0 || !this->Internal->Across.empty() || parts || membranes;
   const lamella::DiffusionScene scene(
     input, this->GetInputArrayInformation(0), this->Direction, team, gathered, lamella::Voxels::Any, bins);
   if (table)
@@ -495,7 +526,8 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   for (const char* const name :
     { "time", "inlet_flux", "outlet_flux", "window_error", "window_error_by_direction", "window_low", "window_high",
       "window_deviation", "window_freedom", "window_bias", "window_gradient", "layered_conductivity", "layered_low",
-      "layered_high", "surface_sensitivity", "segmentation_error_by_direction", "total_error_by_direction" })
+      "layered_high", "surface_sensitivity", "segmentation_error_by_direction", "total_error_by_direction",
+      "membrane_names", "membrane_resistance", "membrane_area", "membrane_sensitivity" })
     output->GetFieldData()->RemoveArray(name);
   this->Internal->Found.phaseArray = storePhases(output, scene.phases, team);
   FieldStore store(this, output, scene, team);
@@ -503,6 +535,64 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   this->Conclude();
   store.put(output);
   lamella::describe(output, this->Internal->Found);
+}
+
+// What membranes do not go with.
+void vtkSteadyDiffusion::RefuseMembranes(bool shares) const
+{
+  if (shares || this->Interpolate)
+    throw lamella::ParameterError("membranes between greys, which have no surfaces",
+      "give the image of phases: greys that are told apart by a threshold");
+  if (this->SmoothLabels)
+    throw lamella::ParameterError(
+      "membranes between smoothed labels, whose voxels hold both phases", "leave one of them out");
+  if (!this->Internal->Across.empty())
+    throw lamella::ParameterError("membranes between phases that conduct along and across walls",
+      "give each phase one conductivity, or leave the membranes out");
+  if (this->Lattice == D2Q9 || this->Lattice == D3Q19 || this->Lattice == Q1)
+    throw lamella::ParameterError(std::string("membranes on ") +
+        lbm::name(this->Lattice == D2Q9 ? lbm::Stencil::D2Q9
+            : this->Lattice == D3Q19    ? lbm::Stencil::D3Q19
+                                        : lbm::Stencil::Q1),
+      "they lie across straight links: take d2q5, of volumes d3q7, or leave the choice of the lattice");
+  if (this->TellsSurfaces())
+    throw lamella::ParameterError("a segmentation error where surfaces have membranes", "leave one of them out");
+}
+
+void vtkSteadyDiffusion::TakeMembranes(const lamella::DiffusionScene& scene)
+{
+  auto& internal = *this->Internal;
+  const lamella::Lattice& lattice = scene.lattice();
+  if (!lattice.cubes())
+    throw lamella::ParameterError(fmt::format("membranes between voxels with edges of {:g} and {:g}", lattice.spacing,
+                                    lattice.spacingAlong(lattice.aspect[1] != 1 ? 1 : 2)),
+      "resample the image to square pixels, or cubes");
+  const std::vector<lamella::NamedMembrane> named =
+    lamella::namedMembranes(scene.phases, internal.Membrane, internal.Permeance);
+  for (const lamella::NamedMembrane& one : named)
+    if (one.there)
+      internal.Membranes.push_back(one.membrane);
+  const bool wraps = this->Sides != INSULATED;
+  const lbm::MembraneIds ids = lbm::membraneIds(scene.image, 1, internal.Membranes, { wraps, wraps, wraps });
+  std::array<double, 3> across{ 0, 0, 0 }; // resistance of all that a straight line meets, over its length
+  std::size_t at = 0;
+  for (const lamella::NamedMembrane& one : named)
+  {
+    lamella::FoundMembrane found{ one.name, one.membrane.resistance };
+    if (one.there)
+    {
+      found.area = ids.area[at] / lattice.spacing;
+      found.place = at;
+      for (std::size_t a = 0; a < 3; ++a)
+        across[a] += one.membrane.resistance * ids.across[at][a] / lattice.spacing;
+      ++at;
+    }
+    if (!(found.area > 0))
+      vtkWarningMacro(<< "there is no surface between the phases of the membrane " << one.name
+                      << ": it changes nothing");
+    internal.Found.membranes.push_back(found);
+  }
+  internal.Found.membraneSeries = *std::ranges::max_element(across);
 }
 
 void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team)
@@ -543,6 +633,8 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
       if (!found.across.empty() && this->Lattice == D2Q9 && this->Sides == MIXED)
         throw lamella::ParameterError(
           "conductivities along and across walls with mixed sides on d2q9", "take q1, or insulated or periodic sides");
+      if (!internal.Membrane.empty() || !internal.Permeance.empty())
+        this->TakeMembranes(scene);
     });
   internal.Axes = { this->Direction };
   if (this->Direction == ALL)
@@ -777,6 +869,7 @@ void vtkSteadyDiffusion::SolveGathered(
   study.surfaces = this->TellsSurfaces();
   study.windowError = this->EstimateWindowError;
   study.directed = internal.Directed;
+  study.membranes = internal.Membranes;
   if (this->TargetError > 0)
   {
     study.targetError = this->TargetError;
@@ -823,6 +916,11 @@ void vtkSteadyDiffusion::Conclude()
     const lbm::Bounds least = lbm::bounds(found.fractions, internal.Directed->smaller(), found.dimension);
     found.bounds.series = least.series;
     found.bounds.hashinShtrikmanLower = least.hashinShtrikmanLower;
+  }
+  if (!found.membranes.empty()) // one flux throughout; Hashin and Shtrikman's lower one knows of no membranes
+  {
+    found.bounds.series = found.bounds.series > 0 ? 1 / (1 / found.bounds.series + found.membraneSeries) : 0;
+    found.bounds.hashinShtrikmanLower = found.bounds.series;
   }
   std::ranges::copy(found.tensor(), this->EffectiveConductivity);
   this->EstimatedError = found.error();

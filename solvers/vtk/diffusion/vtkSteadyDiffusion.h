@@ -48,6 +48,10 @@
  *   y, z by that of the phase; of greys as shares by those of low and high. NaN where it does not conduct, or that
  *   direction was not solved. K = Σ k ∂K/∂k. Of phases with two conductivities that is the one along; also
  *   `conductivity_across_sensitivity`
+ * - with membranes `membrane_names`, `membrane_resistance`, `membrane_area` (surface over volume [1/m], of pictures
+ *   length over area), and with ComputeSensitivity `membrane_sensitivity`: 3 numbers a membrane, ∂K/∂R. K = Σ k ∂K/∂k
+ *   − Σ R ∂K/∂R. `bounds`: the series bound holds with them, Hashin and Shtrikman's lower one does not and is the
+ * series bound then
  * - with uncertainties `input_error_by_direction`: 3 numbers, what they leave of the effective conductivity, relative;
  *   `total_error_by_direction`: the root of the squares of that, of the estimated error and of the window's, where two
  * are known
@@ -163,6 +167,40 @@ public:
   void RemoveAllConductivityAcrossUncertainties();
   /** NaN when the phase has none. */
   double GetConductivityAcrossUncertainty(const char* phase);
+  ///@}
+
+  ///@{
+  /**
+   * Resistance of the surface between two phases, one pair a row, as lumen-wall, in any order: the value jumps there by
+   * the resistance times the flux. Metres over the unit of the conductivities, of heat m² K/W (thermal boundary
+   * resistance); finite and at least 0. On straight links, d2q5 and d3q7, of square pixels.
+   * @word membrane
+   * @title Membranes between phases
+   * @group Materials
+   * @columns Pair, Resistance
+   * @advanced
+   */
+  void SetMembrane(const char* pair, double resistance);
+  void RemoveAllMembranes();
+  int GetNumberOfMembranes();
+  /** NaN when the pair, as it was written, has none. */
+  double GetMembrane(const char* pair);
+  ///@}
+
+  ///@{
+  /**
+   * The same by the inverse, what a membrane lets through: conductivity over metres, of heat W/(m² K), above 0.
+   * @word permeance
+   * @title Permeance of membranes
+   * @group Materials
+   * @columns Pair, Permeance
+   * @advanced
+   */
+  void SetPermeance(const char* pair, double permeance);
+  void RemoveAllPermeances();
+  int GetNumberOfPermeances();
+  /** NaN when the pair, as it was written, has none. */
+  double GetPermeance(const char* pair);
   ///@}
 
   /**
@@ -353,6 +391,8 @@ private:
   /// What of the settings and the image the solver takes. @throws Error on every rank
   void TakeShares(const lamella::DiffusionScene& scene);
   void TakeLabels(const lamella::DiffusionScene& scene);
+  void RefuseMembranes(bool shares) const;
+  void TakeMembranes(const lamella::DiffusionScene& scene);
   void TakeGreys(const lamella::DiffusionScene& scene, const lamella::GreyTable& table);
   void Prepare(vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team);
   void SolveInBlocks(const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team);

@@ -85,6 +85,13 @@ class DiffusionResult(ImageBase):
         return dict(zip(names, map(float, _arrays.numbers(self.vtk, "bounds"))))
 
     @property
+    def membrane_area(self) -> dict[str, float]:
+        """Area of the surface over the volume [1/m], of pictures length over area, of each pair of phases with a membrane
+        between them; empty where there is none."""
+        areas = self._numbers("membrane_area")
+        return {} if areas is None else dict(zip(_arrays.texts(self.vtk, "membrane_names"), map(float, areas)))
+
+    @property
     def iterations(self) -> dict[str, int]:
         """Iterations by direction."""
         return {axis: int(value) for axis, value in self._by_direction("iterations").items()}
@@ -128,6 +135,8 @@ def diffusion(image: Image, settings: Settings, progress: Progress | None = None
 
     image           a Sample, a vtkImageData with the point array ``phase``, or an array of whole numbers; with ``shares`` or
                     ``interpolate`` an array of greys of any type
+
+    ``membrane`` and ``permeance`` are dictionaries by pair of phases, {"lumen-wall": 2e-8}.
 
     What is not asked for, field or flux, is not computed. A conductivity may be (along, across) where it differs along the
     wall, whose direction is the point array ``axis`` of a lattice from outlines.
