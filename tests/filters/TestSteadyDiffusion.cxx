@@ -109,7 +109,7 @@ TEST(SteadyDiffusion, FieldsByLayersAreThoseOfTheOutput)
     filter->SetEstimateError(false);
     filter->SetFieldSink(sink);
     EXPECT_EQ(errorOf(filter), "");
-    return filter;
+    return vtkSmartPointer<vtkSteadyDiffusion>(filter);
   };
   const auto whole = solve({});
   int solves = 0;
