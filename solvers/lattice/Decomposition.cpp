@@ -71,7 +71,7 @@ Decomposition::Decomposition(const Lattice& lattice, const Communicator& comm, d
   // The largest alignment whose largest part is even enough; an even number of rows, which a multigrid that halves them
   // needs, is worth two rows more.
   constexpr double enoughRows = 8;
-  for (const int levels : { 4, 3, 2, 1, 0 })
+  for (const int levels : { 7, 6, 5, 4, 3, 2, 1, 0 })
   {
     const std::int64_t alignment = std::int64_t{ 1 } << levels;
     bool good = true;

@@ -41,33 +41,41 @@ void Redistribution::move(const std::vector<Block>& from, const std::vector<Bloc
         f(static_cast<std::size_t>((z - home.start[2] + ghostZ_) * (home.size[1] + 2) + y - home.start[1] + 1));
   };
   const std::size_t ranks = from.size();
-  std::vector<int> sendCount(ranks);
-  std::vector<int> sendStart(ranks);
-  std::vector<int> receiveCount(ranks);
-  std::vector<int> receiveStart(ranks);
-  std::vector<float> send;
-  int toCome = 0;
+  // Only those that have rows in common: a collective would take as many messages as there are ranks.
+  std::vector<std::vector<float>> send(ranks);
+  std::vector<std::vector<float>> received(ranks);
+  std::vector<MPI_Request> requests;
   for (std::size_t r = 0; r < ranks; ++r)
   {
-    sendStart[r] = static_cast<int>(send.size());
-    forCommon(from[rank], to[r], from[rank],
-      [&](std::size_t row) { send.insert(send.end(), source + row * rowLength, source + (row + 1) * rowLength); });
-    sendCount[r] = static_cast<int>(send.size()) - sendStart[r];
-    receiveStart[r] = toCome;
-    forCommon(from[r], to[rank], to[rank], [&](std::size_t) { toCome += static_cast<int>(rowLength); });
-    receiveCount[r] = toCome - receiveStart[r];
+    std::size_t toCome = 0;
+    forCommon(from[r], to[rank], to[rank], [&](std::size_t) { toCome += rowLength; });
+    received[r].resize(toCome);
+    if (toCome > 0 && r != rank)
+      MPI_Irecv(received[r].data(), static_cast<int>(toCome), MPI_FLOAT, static_cast<int>(r), 9, comm_->handle(),
+        &requests.emplace_back());
   }
-  std::vector<float> received(static_cast<std::size_t>(toCome));
-  MPI_Alltoallv(send.data(), sendCount.data(), sendStart.data(), MPI_FLOAT, received.data(), receiveCount.data(),
-    receiveStart.data(), MPI_FLOAT, comm_->handle());
-  const float* next = received.data();
   for (std::size_t r = 0; r < ranks; ++r)
+  {
+    forCommon(from[rank], to[r], from[rank],
+      [&](std::size_t row)
+      { send[r].insert(send[r].end(), source + row * rowLength, source + (row + 1) * rowLength); });
+    if (r == rank)
+      received[r] = std::move(send[r]);
+    else if (!send[r].empty())
+      MPI_Isend(send[r].data(), static_cast<int>(send[r].size()), MPI_FLOAT, static_cast<int>(r), 9, comm_->handle(),
+        &requests.emplace_back());
+  }
+  MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+  for (std::size_t r = 0; r < ranks; ++r)
+  {
+    const float* next = received[r].data();
     forCommon(from[r], to[rank], to[rank],
       [&](std::size_t row)
       {
         std::copy_n(next, rowLength, target + row * rowLength);
         next += rowLength;
       });
+  }
 }
 
 void Redistribution::forward(const float* before, float* after, std::size_t rowLength) const

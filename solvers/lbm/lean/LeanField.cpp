@@ -397,9 +397,10 @@ FieldSums LeanField::sums(PlaneSums& planes) const
     flux[0] += low;
     flux[static_cast<std::size_t>(n)] += high;
   }
-  std::array<double, 6> all{ s.energy, low, high, s.flux[0], s.flux[1], s.flux[2] };
-  problem_.comm.sum(all);
+  // in one go
+  flux.insert(flux.end(), { s.energy, low, high, s.flux[0], s.flux[1], s.flux[2] });
   problem_.comm.sum(flux);
+  const double* const all = flux.data() + n + 1;
   if (periodic)
     flux[0] += flux[static_cast<std::size_t>(n)];
   // from drops of the profile to drops over the whole box

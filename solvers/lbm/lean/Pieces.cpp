@@ -20,7 +20,7 @@ constexpr double strongAxis = 0.1;
 // Small enough to be solved directly.
 constexpr std::int64_t coarsestCount = 1000;
 // Levels of fewer unknowns are gathered: each rank relaxes them sooner than it hears of its neighbours.
-constexpr std::int64_t sharedCount = 20000;
+constexpr std::int64_t sharedCount = 3000;
 // A level that is not smaller than this part of the one before ends the coarsening.
 constexpr double worthwhile = 0.8;
 // The coarsest level, where it is too large for that, is relaxed that often.
@@ -117,20 +117,32 @@ void coarseOfGhosts(PieceLevel& fine, const PieceLevel& next)
         fine.coarse[fine.halo.start(side, 0) + k] = next.halo.start(side, 0) + theirs[side][k];
 }
 
+RankShares sharesOf(const Communicator& comm, std::size_t mine)
+{
+  RankShares shares;
+  const int count = static_cast<int>(mine);
+  shares.counts.resize(static_cast<std::size_t>(comm.size()));
+  MPI_Allgather(&count, 1, MPI_INT, shares.counts.data(), 1, MPI_INT, comm.handle());
+  shares.starts.assign(shares.counts.size() + 1, 0);
+  std::partial_sum(shares.counts.begin(), shares.counts.end(), shares.starts.begin() + 1);
+  return shares;
+}
+
 // The ranks' values in their order, on every rank. Four bytes each.
+template <class T>
+std::vector<T> gatherAll(const Communicator& comm, std::span<const T> mine, const RankShares& shares)
+{
+  static_assert(sizeof(T) == 4);
+  std::vector<T> all(static_cast<std::size_t>(shares.starts.back()));
+  MPI_Allgatherv(mine.data(), static_cast<int>(mine.size()), MPI_UINT32_T, all.data(), shares.counts.data(),
+    shares.starts.data(), MPI_UINT32_T, comm.handle());
+  return all;
+}
+
 template <class T>
 std::vector<T> gatherAll(const Communicator& comm, std::span<const T> mine)
 {
-  static_assert(sizeof(T) == 4);
-  const int count = static_cast<int>(mine.size());
-  std::vector<int> counts(static_cast<std::size_t>(comm.size()));
-  MPI_Allgather(&count, 1, MPI_INT, counts.data(), 1, MPI_INT, comm.handle());
-  std::vector<int> starts(counts.size() + 1, 0);
-  std::partial_sum(counts.begin(), counts.end(), starts.begin() + 1);
-  std::vector<T> all(static_cast<std::size_t>(starts.back()));
-  MPI_Allgatherv(
-    mine.data(), count, MPI_UINT32_T, all.data(), counts.data(), starts.data(), MPI_UINT32_T, comm.handle());
-  return all;
+  return gatherAll(comm, mine, sharesOf(comm, mine.size()));
 }
 
 // A node's place in its block.
@@ -698,9 +710,10 @@ void PieceMultigrid::gather()
   std::copy_n(places_.begin() + static_cast<std::ptrdiff_t>(before), part.count(), own_.begin());
   part.halo.exchange(own_);
 
+  shares_ = sharesOf(comm, part.count());
   const auto placed = [&](const std::vector<float>& values)
   {
-    const auto all = gatherAll<float>(comm, std::span(values).first(part.count()));
+    const auto all = gatherAll<float>(comm, values, shares_);
     std::vector<float> out(all.size());
     for (std::size_t k = 0; k < all.size(); ++k)
       out[places_[k]] = all[k];
@@ -714,7 +727,7 @@ void PieceMultigrid::gather()
   std::vector<std::uint32_t> others(part.other.size());
   for (std::size_t e = 0; e < others.size(); ++e)
     others[e] = own_[part.other[e]];
-  const auto allLengths = gatherAll<std::uint32_t>(comm, lengths);
+  const auto allLengths = gatherAll<std::uint32_t>(comm, lengths, shares_);
   const auto allOthers = gatherAll<std::uint32_t>(comm, others);
   std::vector<float> links(part.link.size());
   for (std::size_t e = 0; e < links.size(); ++e)
@@ -807,34 +820,38 @@ void PieceMultigrid::relax(PieceLevel& level, bool forward) const
   }
 }
 
-std::array<double, 2> PieceMultigrid::products(
-  const PieceLevel& level, const Vectors& first, const Vectors& second) const
+template <std::size_t N>
+std::array<double, N> PieceMultigrid::products(const PieceLevel& level, const std::array<Vectors, N>& pairs) const
 {
   // parts do not depend on how many threads there are
   constexpr std::size_t part = 4096;
   const auto parts = static_cast<std::int64_t>((level.count() + part - 1) / part);
-  std::vector<std::array<double, 2>> sums(static_cast<std::size_t>(parts));
+  std::vector<std::array<double, N>> sums(static_cast<std::size_t>(parts));
   const int threads = level.count() < threadedCount ? 1 : threads_;
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
   for (std::int64_t p = 0; p < parts; ++p)
   {
-    std::array<double, 2> s{ 0, 0 };
+    std::array<double, N> s{};
     const std::size_t begin = static_cast<std::size_t>(p) * part;
-    for (const std::size_t k : { std::size_t{ 0 }, std::size_t{ 1 } })
+    for (std::size_t k = 0; k < N; ++k)
     {
-      const Vectors& v = k == 0 ? first : second;
+      const Vectors& v = pairs[k];
       for (std::size_t i = begin; i < std::min(level.count(), begin + part); ++i)
         s[k] += static_cast<double>((*v[0])[i]) * static_cast<double>((*v[1])[i]);
     }
     sums[static_cast<std::size_t>(p)] = s;
   }
-  std::array<double, 2> all{ 0, 0 };
+  std::array<double, N> all{};
   for (const auto& s : sums)
-    for (std::size_t k = 0; k < 2; ++k)
+    for (std::size_t k = 0; k < N; ++k)
       all[k] += s[k];
-  if (level.shared)
-    lattice_->comm->sum(all);
   return all;
+}
+
+void PieceMultigrid::sumUp(const PieceLevel& level, std::span<double> sums) const
+{
+  if (level.shared)
+    lattice_->comm->sum(sums);
 }
 
 void PieceMultigrid::cycle(std::size_t index)
@@ -858,7 +875,7 @@ void PieceMultigrid::cycle(std::size_t index)
   PieceLevel& next = levels_[index + 1];
   if (level.gathered)
   {
-    const auto all = gatherAll<float>(*lattice_->comm, level.b);
+    const auto all = gatherAll<float>(*lattice_->comm, level.b, shares_);
     for (std::size_t k = 0; k < all.size(); ++k)
       next.b[places_[k]] = all[k];
     cycleTwice(index + 1);
@@ -891,7 +908,7 @@ float PieceMultigrid::product(const PieceLevel& level, std::size_t i)
   return s;
 }
 
-// Two steps of flexible conjugate gradients around the cycle.
+// Two steps of flexible conjugate gradients around the cycle. The ranks sum once a step.
 void PieceMultigrid::cycleTwice(std::size_t index)
 {
   PieceLevel& level = levels_[index];
@@ -905,33 +922,36 @@ void PieceMultigrid::cycleTwice(std::size_t index)
       ofX[i] = product(level, i);
   };
   multiply();
-  const auto [xq, xb] = products(level, { &level.x, &ofX }, { &level.x, &level.b });
+  auto firstSums = products<5>(level,
+    { Vectors{ &level.x, &ofX }, { &level.x, &level.b }, { &ofX, &ofX }, { &level.b, &ofX }, { &level.b, &level.b } });
+  sumUp(level, firstSums);
+  const auto [xq, xb, qq, bq, bb] = firstSums;
   if (!(xq > 0))
     return;
   const double alpha = xb / xq;
+  if (bb - 2 * alpha * bq + alpha * alpha * qq <= 0.0625 * bb) // what is left of b: good enough at once
+  {
+    for (float& x : level.x)
+      x *= static_cast<float>(alpha);
+    return;
+  }
   first = level.x;
   std::ranges::copy(level.b, before.begin());
   for (std::size_t i = 0; i < level.count(); ++i)
     level.b[i] -= static_cast<float>(alpha) * ofX[i];
-  const auto [left, whole] = products(level, { &level.b, &level.b }, { &before, &before });
-  const auto restore = [&] { std::copy_n(before.begin(), level.count(), level.b.begin()); };
-  if (left <= 0.0625 * whole) // good enough at once
-  {
-    for (float& x : level.x)
-      x *= static_cast<float>(alpha);
-    restore();
-    return;
-  }
   cycle(index);
-  const auto [zq, zb] = products(level, { &level.x, &ofX }, { &level.x, &level.b });
+  const auto [ownZq, ownZb] = products<2>(level, { Vectors{ &level.x, &ofX }, { &level.x, &level.b } });
   multiply();
+  std::array<double, 3> secondSums{ ownZq, ownZb, products<1>(level, { Vectors{ &level.x, &ofX } })[0] };
+  sumUp(level, secondSums);
+  const auto [zq, zb, zz] = secondSums;
   const double beta = zq / xq;
-  const double energy = products(level, { &level.x, &ofX }, { &level.x, &ofX })[0] - beta * zq;
+  const double energy = zz - beta * zq;
   const double gamma = energy > 0 ? zb / energy : 0;
   const auto ofFirst = static_cast<float>(alpha - gamma * beta);
   for (std::size_t i = 0; i < level.x.size(); ++i)
     level.x[i] = ofFirst * first[i] + static_cast<float>(gamma) * level.x[i];
-  restore();
+  std::copy_n(before.begin(), level.count(), level.b.begin());
 }
 
 void PieceMultigrid::correct(LeanField& field)

@@ -9,6 +9,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace lamella::lbm
@@ -50,6 +51,13 @@ struct PieceLevel
   [[nodiscard]] std::size_t bytes() const noexcept;
 };
 
+/// How many values each rank has, and where they begin among all.
+struct RankShares
+{
+  std::vector<int> counts;
+  std::vector<int> starts; ///< and their number
+};
+
 /// Coarse levels for a lean field whose phases insulate in thin walls, or do not conduct at all: where a block of
 /// 2 × 2 × 2 nodes would join what is apart, each piece of it is an unknown of its own. A piece is what strong links
 /// join inside the block: on the finest level links between phases that conduct alike, further down links that are a
@@ -89,10 +97,12 @@ private:
   void cycleTwice(std::size_t index);
   void relax(PieceLevel& level, bool forward) const;
   [[nodiscard]] static float product(const PieceLevel& level, std::size_t i);
-  /// Sums of the products of two and two vectors, in an order that no number of threads changes.
+  /// Sums of the products of two vectors each, of this rank, in an order that no number of threads changes.
   using Vectors = std::array<const std::vector<float>*, 2>;
-  [[nodiscard]] std::array<double, 2> products(
-    const PieceLevel& level, const Vectors& first, const Vectors& second) const;
+  template <std::size_t N>
+  [[nodiscard]] std::array<double, N> products(const PieceLevel& level, const std::array<Vectors, N>& pairs) const;
+  /// Over the ranks that have parts of a level.
+  void sumUp(const PieceLevel& level, std::span<double> sums) const;
   /// All ranks' unknowns of a level.
   [[nodiscard]] std::int64_t total(const PieceLevel& level) const;
   /// Along which axes this rank's part of a level meets itself.
@@ -118,6 +128,7 @@ private:
   std::vector<PieceLevel> levels_;
   std::vector<std::uint32_t> places_; ///< in the gathered level, of the ranks' unknowns in their order
   std::vector<std::uint32_t> own_;    ///< the same of this rank's and its ghosts
+  RankShares shares_;                 ///< of those unknowns
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> direct_;
   bool factorized_ = false;
 };

@@ -9,7 +9,7 @@ namespace
 {
 
 constexpr std::int64_t coarsestNodes = 600;
-constexpr std::int64_t gatherNodes = 32768;
+constexpr std::int64_t gatherNodes = 4096;
 // Below that many nodes of a rank waiting for another thread costs more than its work.
 constexpr std::int64_t threadedNodes = 100000;
 
