@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numeric>
 #include <utility>
 
@@ -180,7 +181,30 @@ std::size_t PieceLevel::bytes() const noexcept
 {
   const auto of = [](const auto& v) { return v.capacity() * sizeof(v[0]); };
   return of(start) + of(row) + of(other) + of(link) + of(wall) + of(inverse) + of(coarse) + of(x) + of(b) +
-    of(work[0]) + of(work[1]) + of(work[2]) + halo.bytes();
+    of(work[0]) + of(work[1]) + of(work[2]) + halo.bytes() + (moved ? moved->bytes() : 0);
+}
+
+Block PieceLevel::block(int rank) const
+{
+  const Block whole = parts->block(rank);
+  const std::int64_t unit = std::int64_t{ 1 } << halvings;
+  Block b;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    b.start[a] = whole.start[a] / unit;
+    b.size[a] = (whole.start[a] + whole.size[a] + unit - 1) / unit - b.start[a];
+  }
+  return b;
+}
+
+void PieceLevel::dropMatrix()
+{
+  for (auto* v : { &wall, &inverse })
+    *v = {};
+  link = {};
+  row = {};
+  other = {};
+  work = {};
 }
 
 template <class F>
@@ -210,9 +234,6 @@ PieceMultigrid::PieceMultigrid(const LeanField& field, int threads)
   , axis_(field.axis())
   , threads_(std::max(1, threads))
 {
-  for (const int a : { 0, 1, 2 })
-    wraps_[static_cast<std::size_t>(a)] =
-      periodic_[static_cast<std::size_t>(a)] && lattice_->parts->parts()[static_cast<std::size_t>(a)] == 1;
   label(field, 2);
   const bool aligned = !lattice_->comm->parallel() || lattice_->parts->levels() > 1;
   const auto nodes = static_cast<double>(lattice_->size[0] * lattice_->size[1] * lattice_->size[2]);
@@ -224,13 +245,28 @@ PieceMultigrid::PieceMultigrid(const LeanField& field, int threads)
   double strong = everyLink_ ? 0 : strongPart;
   int halvings = lattice_->parts->levels() - (edge_ == 2 ? 1 : 2);
   for (std::int64_t count = total(levels_.back()); count > coarsestCount; count = total(levels_.back()))
-    if (levels_.back().shared && (halvings-- <= 0 || count < sharedCount))
+  {
+    const bool shared = levels_.back().shared;
+    if (shared && (count < sharedCount || (halvings == 0 && !move())))
       gather();
+    else if (shared && halvings == 0) // moved
+      halvings = levels_.back().parts->levels();
     else if (!coarsen(strong *= 0.5))
       break;
+    else
+      --halvings;
+  }
   if (levels_.back().shared)
     gather();
   factorize();
+}
+
+std::array<bool, 3> PieceMultigrid::wraps(const PieceLevel& level) const
+{
+  std::array<bool, 3> wrapping = periodic_;
+  for (std::size_t a = 0; a < 3 && level.shared; ++a)
+    wrapping[a] = wrapping[a] && level.parts->parts()[a] == 1;
+  return wrapping;
 }
 
 std::int64_t PieceMultigrid::total(const PieceLevel& level) const
@@ -257,10 +293,13 @@ void PieceMultigrid::label(const LeanField& field, std::int64_t edge)
   levels_.clear();
   PieceLevel& first = levels_.emplace_back();
   first.shared = lattice_->comm->parallel();
+  first.parts = std::make_shared<const Decomposition>(*lattice_->parts);
+  first.halvings = first.depth = edge == 2 ? 1 : 2;
   for (std::size_t a = 0; a < 3; ++a)
   {
     first.blocks[a] = (size[a] + edge - 1) / edge;
     first.begin[a] = lattice_->start[a] / edge;
+    first.all[a] = (lattice_->size[a] + edge - 1) / edge;
   }
   const auto nodes = static_cast<std::size_t>(edge * edge * edge);
   labels_.assign(blockCount(first.blocks) * labelWords(edge), 0);
@@ -522,10 +561,14 @@ bool PieceMultigrid::coarsen(double strong)
   PieceLevel& fine = levels_.back();
   const std::array<std::int64_t, 3> size = fine.blocks;
   next.shared = fine.shared;
+  next.parts = fine.parts;
+  next.halvings = fine.halvings + 1;
+  next.depth = fine.depth + 1;
   for (std::size_t a = 0; a < 3; ++a)
   {
     next.blocks[a] = (size[a] + 1) / 2;
     next.begin[a] = fine.begin[a] / 2;
+    next.all[a] = (fine.all[a] + 1) / 2;
   }
   const bool halves = next.blocks != size;
   if (fine.shared ? !lattice_->comm->any(halves) : !halves)
@@ -615,7 +658,7 @@ bool PieceMultigrid::coarsen(double strong)
   place = {};
   if (next.shared)
   {
-    next.halo = PieceHalo(*lattice_->comm, *lattice_->parts, periodic_, next.blocks, next.start);
+    next.halo = PieceHalo(*lattice_->comm, *next.parts, periodic_, next.blocks, next.start);
     coarseOfGhosts(fine, next);
   }
   // the axis along which the block of unknown j follows or precedes this one; 3: it is the same
@@ -662,15 +705,117 @@ bool PieceMultigrid::coarsen(double strong)
   return true;
 }
 
+bool PieceMultigrid::move()
+{
+  PieceLevel& part = levels_.back();
+  const Communicator& comm = *lattice_->comm;
+  Lattice blocks;
+  blocks.dimension = lattice_->grid.dimension;
+  blocks.size = part.all;
+  PieceLevel next;
+  next.shared = true;
+  next.parts = std::make_shared<const Decomposition>(blocks, comm, unevennessAt(blocks.dimension, part.depth));
+  if (next.parts->levels() == 0)
+    return false;
+  next.halvings = 0;
+  next.depth = part.depth;
+  next.all = part.all;
+  next.blocks = next.parts->block().size;
+  next.begin = next.parts->block().start;
+  std::vector<Block> before;
+  std::vector<Block> after;
+  for (int r = 0; r < comm.size(); ++r)
+  {
+    before.push_back(part.block(r));
+    after.push_back(next.block(r));
+  }
+  part.moved = std::make_unique<PieceMove>(comm, before, after, part.start);
+  next.start = part.moved->start();
+  next.halo = PieceHalo(comm, *next.parts, periodic_, next.blocks, next.start);
+
+  const std::size_t n = next.count();
+  next.wall.resize(n);
+  next.inverse.resize(n);
+  part.moved->forward(part.wall, next.wall);
+  part.moved->forward(part.inverse, next.inverse);
+  std::vector<std::uint32_t> lengths(part.count());
+  for (std::size_t i = 0; i < lengths.size(); ++i)
+    lengths[i] = static_cast<std::uint32_t>(part.row[i + 1] - part.row[i]);
+  std::vector<std::uint32_t> nextLengths(n);
+  part.moved->forward(lengths, nextLengths);
+  next.row.assign(n + 1, 0);
+  std::partial_sum(nextLengths.begin(), nextLengths.end(), next.row.begin() + 1, std::plus<std::size_t>());
+
+  // every rank knows an unknown by its block in the level and its place there
+  std::vector<std::uint32_t> block(part.withGhosts());
+  std::vector<std::uint32_t> piece(part.withGhosts());
+  forBlocks(part.blocks,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t at)
+    {
+      for (std::uint32_t i = part.start[at]; i < part.start[at + 1]; ++i)
+      {
+        block[i] = static_cast<std::uint32_t>(blockIndex(part.all, { bx, by + part.begin[1], bz + part.begin[2] }));
+        piece[i] = i - part.start[at];
+      }
+    });
+  part.halo.exchange(block);
+  part.halo.exchange(piece);
+  const auto ofOthers = [&](const std::vector<std::uint32_t>& what)
+  {
+    std::vector<std::uint32_t> here(part.other.size());
+    for (std::size_t e = 0; e < here.size(); ++e)
+      here[e] = what[part.other[e]];
+    std::vector<std::uint32_t> there(next.row.back());
+    part.moved->forwardRows(part.row, here, next.row, there);
+    return there;
+  };
+  const auto otherBlock = ofOthers(block);
+  const auto otherPiece = ofOthers(piece);
+  const std::vector<std::uint32_t> links(part.link.begin(), part.link.end()); // four bytes each, as they travel
+  std::vector<std::uint32_t> nextLinks(next.row.back());
+  part.moved->forwardRows(part.row, links, next.row, nextLinks);
+  next.link.resize(nextLinks.size());
+  std::ranges::transform(
+    nextLinks, next.link.begin(), [](std::uint32_t link) { return static_cast<std::uint16_t>(link); });
+  const auto firstOf = [&](std::int64_t index)
+  {
+    const std::array<std::int64_t, 3> at{ index % next.all[0], index / next.all[0] % next.all[1] - next.begin[1],
+      index / (next.all[0] * next.all[1]) - next.begin[2] };
+    const auto inside = [&](std::size_t a) { return at[a] >= 0 && at[a] < next.blocks[a]; };
+    if (inside(1) && inside(2))
+      return next.start[blockIndex(next.blocks, at)];
+    std::size_t side = 0;
+    const auto beyond = [&]
+    {
+      const std::size_t a = PieceHalo::axisOf(side);
+      const std::int64_t wanted = side % 2 == 1 ? next.blocks[a] : -1;
+      return next.halo.has(side) && inside(3 - a) && (at[a] - wanted) % next.all[a] == 0;
+    };
+    while (!beyond())
+      ++side;
+    return next.halo.start(side, next.halo.place(side, at));
+  };
+  next.other.resize(next.row.back());
+  for (std::size_t e = 0; e < next.other.size(); ++e)
+    next.other[e] = firstOf(otherBlock[e]) + otherPiece[e];
+
+  next.b.assign(n, 0.0F);
+  next.x.assign(next.withGhosts(), 0.0F);
+  for (auto& v : next.work)
+    v.assign(next.withGhosts(), 0.0F);
+  part.dropMatrix();
+  levels_.push_back(std::move(next));
+  return true;
+}
+
 // The same unknowns, whole on every rank, in the order of the whole level's blocks.
 void PieceMultigrid::gather()
 {
   PieceLevel& part = levels_.back();
   const Communicator& comm = *lattice_->comm;
-  const std::int64_t unit = edge_ << (levels_.size() - 1); // nodes a block, along each axis
   PieceLevel whole;
-  for (std::size_t a = 0; a < 3; ++a)
-    whole.blocks[a] = (lattice_->size[a] + unit - 1) / unit;
+  whole.blocks = whole.all = part.all;
+  whole.depth = part.depth;
   std::vector<std::uint32_t> counts(blockCount(part.blocks));
   for (std::size_t i = 0; i < counts.size(); ++i)
     counts[i] = part.start[i + 1] - part.start[i];
@@ -681,18 +826,11 @@ void PieceMultigrid::gather()
     std::size_t i = 0;
     for (int r = 0; r < comm.size(); ++r)
     {
-      const Block block = lattice_->parts->block(r);
-      std::array<std::int64_t, 3> first{};
-      std::array<std::int64_t, 3> end{};
-      for (std::size_t a = 0; a < 3; ++a)
-      {
-        first[a] = block.start[a] / unit;
-        end[a] = (block.start[a] + block.size[a] + unit - 1) / unit;
-      }
-      for (std::int64_t z = first[2]; z < end[2]; ++z)
-        for (std::int64_t y = first[1]; y < end[1]; ++y)
-          for (std::int64_t x = first[0]; x < end[0]; ++x)
-            f(blockIndex(whole.blocks, { x, y, z }), allCounts[i++]);
+      const Block block = part.block(r);
+      for (std::int64_t z = 0; z < block.size[2]; ++z)
+        for (std::int64_t y = 0; y < block.size[1]; ++y)
+          for (std::int64_t x = 0; x < block.size[0]; ++x)
+            f(blockIndex(whole.blocks, { x, y + block.start[1], z + block.start[2] }), allCounts[i++]);
     }
   };
   whole.start.assign(blockCount(whole.blocks) + 1, 0);
@@ -751,12 +889,7 @@ void PieceMultigrid::gather()
     v->assign(whole.count(), 0.0F);
 
   part.gathered = true;
-  for (auto* v : { &part.wall, &part.inverse })
-    *v = {};
-  part.link = {};
-  part.row = {};
-  part.other = {};
-  part.work = {};
+  part.dropMatrix();
   levels_.push_back(std::move(whole));
 }
 
@@ -883,6 +1016,14 @@ void PieceMultigrid::cycle(std::size_t index)
       level.x[i] = next.x[own_[i]];
     return;
   }
+  if (level.moved)
+  {
+    level.moved->forward(level.b, next.b);
+    cycleTwice(index + 1);
+    level.moved->backward(next.x, level.x);
+    level.halo.exchange(level.x);
+    return;
+  }
   for (int s = 0; s < pieceSweeps; ++s)
     relax(level, true);
   std::fill(next.b.begin(), next.b.end(), 0.0F);
@@ -913,7 +1054,7 @@ void PieceMultigrid::cycleTwice(std::size_t index)
 {
   PieceLevel& level = levels_[index];
   cycle(index);
-  if (index + 1 == levels_.size() || level.gathered)
+  if (index + 1 == levels_.size() || level.gathered || level.moved)
     return;
   auto& [before, first, ofX] = level.work;
   const auto multiply = [&]

@@ -2,6 +2,7 @@
 
 #include "lbm/lean/LeanField.h"
 #include "lbm/lean/PieceHalo.h"
+#include "lbm/lean/PieceMove.h"
 
 #include <Eigen/SparseCholesky>
 #include <Eigen/SparseCore>
@@ -9,6 +10,7 @@
 #include <array>
 #include <bit>
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -23,8 +25,13 @@ struct PieceLevel
 
   std::array<std::int64_t, 3> blocks{ 1, 1, 1 };
   std::array<std::int64_t, 3> begin{ 0, 0, 0 }; ///< of this rank's blocks in the level's
+  std::array<std::int64_t, 3> all{ 1, 1, 1 };   ///< the level's
+  int depth = 1;                                ///< halvings from the nodes to its blocks
   bool shared = false;                          ///< the ranks have parts of it; else each has the whole
+  std::shared_ptr<const Decomposition> parts;   ///< which
+  int halvings = 1;                             ///< from what `parts` shares out to its blocks
   bool gathered = false;                        ///< the next level is the same, whole on every rank
+  std::unique_ptr<PieceMove> moved;             ///< the next level is the same, shared out anew
   PieceHalo halo;
   std::vector<std::uint32_t> start; ///< the first unknown of each block, and their number
   std::vector<std::size_t> row;     ///< an unknown's first link, and their number
@@ -48,6 +55,10 @@ struct PieceLevel
   }
   [[nodiscard]] std::size_t count() const noexcept { return start.empty() ? 0 : start.back(); }
   [[nodiscard]] std::size_t withGhosts() const noexcept { return count() + halo.count(); }
+  /// Blocks that a rank has.
+  [[nodiscard]] Block block(int rank) const;
+  /// Frees what only relaxing takes.
+  void dropMatrix();
   [[nodiscard]] std::size_t bytes() const noexcept;
 };
 
@@ -65,9 +76,9 @@ struct RankShares
 /// the rule of blocks (Multigrid). Each level is entered twice, with two steps of conjugate gradients (K-cycle: Notay &
 /// Vassilevski, Numer. Linear Algebra Appl. 15 (2008) 473).
 ///
-/// Distributed as the lattice is, as long as every part begins at an even block and that is worth its messages; then
-/// gathered: every rank does the rest for itself. Every number of ranks has the same pieces, up to periodic sides with
-/// an odd number of blocks. Every number of threads gives the same.
+/// Distributed as the lattice is, as long as every part begins at an even block; then shared out anew, or, where that
+/// is not worth its messages, gathered: every rank does the rest for itself. Every number of ranks has the same pieces,
+/// up to periodic sides with an odd number of blocks. Every number of threads gives the same.
 ///
 /// Memory: 80 to 100 bytes a piece, 1 byte a node of the finest level.
 class PieceMultigrid
@@ -91,6 +102,8 @@ private:
   void link(PieceLevel& level, const Gather& gather) const;
   void linkFirst(const LeanField& field);
   [[nodiscard]] bool coarsen(double strong);
+  /// The same level shared out so that it can be halved again. Returns whether it can.
+  [[nodiscard]] bool move();
   void gather();
   void factorize();
   void cycle(std::size_t index);
@@ -106,10 +119,7 @@ private:
   /// All ranks' unknowns of a level.
   [[nodiscard]] std::int64_t total(const PieceLevel& level) const;
   /// Along which axes this rank's part of a level meets itself.
-  [[nodiscard]] const std::array<bool, 3>& wraps(const PieceLevel& level) const noexcept
-  {
-    return level.shared ? wraps_ : periodic_;
-  }
+  [[nodiscard]] std::array<bool, 3> wraps(const PieceLevel& level) const;
   /// Block rows in parallel.
   template <class F>
   void forBlockRows(const std::array<std::int64_t, 3>& blocks, F&& f) const;
@@ -119,7 +129,6 @@ private:
 
   const Level* lattice_; ///< how it is shared out
   std::array<bool, 3> periodic_;
-  std::array<bool, 3> wraps_{ false, false, false };
   int axis_;
   int threads_;
   bool everyLink_ = false;            ///< only phases that do not conduct keep pieces apart

@@ -129,13 +129,6 @@ Lattice latticeOf(const Level& level)
   return lattice;
 }
 
-// By how much a part of a level may be larger than its even share: by a twentieth of a part of the finest level, which
-// has 8 (4) times the nodes at each step up. Better twice the share than all of the level on every rank.
-double unevennessOf(const Level& level)
-{
-  return std::min(1.0, 0.05 * static_cast<double>(std::int64_t{ 1 } << (level.grid.dimension * level.depth)));
-}
-
 // Arrays for the same lattice, shared out otherwise.
 void likeBefore(const Level& part, Level& next)
 {
@@ -154,12 +147,18 @@ void likeBefore(const Level& part, Level& next)
 
 } // namespace
 
+double unevennessAt(int dimension, int depth)
+{
+  return std::min(1.0, 0.05 * static_cast<double>(std::int64_t{ 1 } << (dimension * depth)));
+}
+
 std::unique_ptr<Level> Multigrid::move(Level& part) const
 {
   const int ranks = part.comm->size();
   auto next = std::make_unique<Level>();
   next->comm = std::make_unique<Communicator>(*part.comm);
-  next->parts = std::make_unique<Decomposition>(latticeOf(part), *next->comm, unevennessOf(part));
+  next->parts =
+    std::make_unique<Decomposition>(latticeOf(part), *next->comm, unevennessAt(part.grid.dimension, part.depth));
   if (next->parts->levels() == 0)
     return nullptr;
   const Block& block = next->parts->block();

@@ -102,6 +102,11 @@ private:
 /// Its level of blocks, with vectors. @param links of the fine level
 [[nodiscard]] std::unique_ptr<Level> coarsenBlocks(const Level& fine, const LinkRow& links, int threads);
 
+/// By how much more than its even share a part of a level may hold where that is shared out anew: a twentieth of what
+/// one of the finest level does, which has 8 (in 2D 4) times the nodes at each step up, and at most as much again.
+/// Better that than all of the level on every rank.
+[[nodiscard]] double unevennessAt(int dimension, int depth);
+
 /// Can a lattice of this size be halved once more, and is that worth while?
 [[nodiscard]] bool canHalve(const std::array<std::int64_t, 3>& size, const std::array<bool, 3>& periodic);
 
