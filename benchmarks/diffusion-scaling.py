@@ -24,7 +24,7 @@ UNEVENNESS = 0.03
 COARSEST_NODES, GATHER_NODES = 600, 4096
 SHARED_PIECES = 3000
 ONCE = {"lean": 4, "pieces": 4, "walls": 4, "voids": 6}  # reductions of a solve before and after its cycles, or once only
-PIECE_SET_UP = {"pieces": 5, "walls": 5, "voids": 8}  # reductions of the set-up, and four for each level that the ranks share
+PIECE_SET_UP = {"pieces": 5, "walls": 5, "voids": 8}  # reductions of the set-up, four for each level that is shared, one or two more
 LEAN_EXCHANGES, PIECE_EXCHANGES = 13, 12  # of a visit of a level: two a sweep, and after the correction
 
 

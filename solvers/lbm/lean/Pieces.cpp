@@ -1056,7 +1056,9 @@ void PieceMultigrid::cycleTwice(std::size_t index)
   cycle(index);
   if (index + 1 == levels_.size() || level.gathered || level.moved)
     return;
-  auto& [before, first, ofX] = level.work;
+  std::vector<float>& before = level.work[0];
+  std::vector<float>& first = level.work[1];
+  std::vector<float>& ofX = level.work[2];
   const auto multiply = [&]
   {
     for (std::size_t i = 0; i < level.count(); ++i)
