@@ -391,9 +391,9 @@ def draw(picture, counts, times, predicted, laws):
                      label=f"{KINDS[kind]}, {size[0]}³, work of a rank")
         rows = [r for r in times if r["kind"] == kind]
         if rows:
-            best = [min(r[f"{c}_solve"] / r[f"{c}_cycles"] for r in rows) for c in ("one", "all")]
-            axes[1].plot([1, rows[0]["ranks"]], best, "D", markersize=5, markerfacecolor="none", color=colours[kind],
-                         label=f"{KINDS[kind]}, {round(rows[0]['nodes'] ** (1 / 3))}³, clock")
+            medians = [statistics.median(r[f"{c}_work"] / r[f"{c}_cycles"] for r in rows) for c in ("one", "all")]
+            axes[1].plot([1, rows[0]["ranks"]], medians, "D", markersize=5, markerfacecolor="none", color=colours[kind],
+                         label=f"{KINDS[kind]}, {round(rows[0]['nodes'] ** (1 / 3))}³, the same")
         for edge in (256, 512, 1000, 2000):
             rows = [r for r in predicted if r["link"] == "cluster" and r["kind"] == kind and r["scaling"] == "strong" and r["edge"] == edge and r["ranks"] != 1000]
             axes[1].plot([r["ranks"] for r in rows], [r["seconds_a_cycle"] for r in rows], "--", linewidth=0.9, color=colours[kind])
@@ -401,18 +401,18 @@ def draw(picture, counts, times, predicted, laws):
                 axes[1].annotate(f"{edge}³", (rows[0]["ranks"], rows[0]["seconds_a_cycle"]), fontsize=7, textcoords="offset points", xytext=(2, -10))
     axes[1].set_ylabel("seconds a cycle")
     axes[1].set_ylim(3e-4, 3e3)
-    axes[1].set_title("one size: measured (points), PREDICTED (dashed)", fontsize=10)
+    axes[1].set_title("one size: work (points), PREDICTED (dashed)", fontsize=10)
     axes[1].set_yscale("log")
     for kind, label in KINDS.items():
         rows = [r for r in predicted if r["link"] == "cluster" and r["kind"] == kind and r["scaling"] == "weak" and r["ranks"] != 1000]
         axes[2].plot([r["ranks"] for r in rows], [r["efficiency"] for r in rows], "--", linewidth=0.9, color=colours[kind], label=label)
         rows = [r for r in times if r["kind"] == kind]
         if rows:
-            ratio = min(r["one_solve"] / r["one_cycles"] for r in rows) / min(r["weak_solve"] / r["weak_cycles"] for r in rows)
+            ratio = statistics.median((r["one_work"] / r["one_cycles"]) / (r["weak_work"] / r["weak_cycles"]) for r in rows)
             axes[2].plot([rows[0]["ranks"]], [ratio], "D", markersize=5, markerfacecolor="none", color=colours[kind])
     axes[2].set_ylabel("efficiency")
     axes[2].set_ylim(0, 1.1)
-    axes[2].set_title("200³ a rank: clock (points), PREDICTED (dashed)", fontsize=10)
+    axes[2].set_title("200³ a rank: work (points), PREDICTED (dashed)", fontsize=10)
     for a in axes:
         a.set_xscale("log", base=2)
         a.set_xlabel("ranks")
