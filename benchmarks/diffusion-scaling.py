@@ -81,7 +81,7 @@ def halo_of_rows(nx, rows, parts):
 
 
 def empty():
-    return dict.fromkeys((*COUNTED, "whole", "moved", "whole_bytes"), 0.0)
+    return dict.fromkeys((*COUNTED, "whole", "whole_bytes"), 0.0)
 
 
 def moved_share(size, ranks, before, halvings, after):
