@@ -192,7 +192,7 @@ class Answers(Case):
             low, high = arrays["temperature"]["range"][0]
             self.assertAlmostEqual(high, 1 - expected / 2, delta=1e-6)
             self.assertAlmostEqual(low, expected / 2 / 0.25, delta=1e-6)
-            seen.append(info["field"])
+            seen.append(info["field_data"])
         self.assertEqual({key for key in seen[0]}, {key for key in seen[1]})
         self.assertTrue({"effective_conductivity", "estimated_error", "provenance"} <= set(seen[0]) | {"provenance"})
         self.fails(2, "written as .vti or .vtkhdf", "end the name in", "diffusion", *words, "-o", "f.png")

@@ -53,7 +53,8 @@ void runFilterOnRanks(
   vtkNew<vtkMPIController> controller;
   if (session.ranks() > 1)
   {
-    controller->Initialize(nullptr, nullptr, 1); // MPI is the session's
+    if (controller->GetCommunicator() == nullptr)
+      controller->Initialize(nullptr, nullptr, 1); // MPI is the session's; once in a program
     filter->SetController(controller);
   }
   runFilter(session, filter, what,

@@ -84,6 +84,8 @@ struct RankShares
 class PieceMultigrid
 {
 public:
+  /// Of the finest level's blocks, in nodes.
+  static constexpr std::int64_t mostEdge = 4;
   /// Collective. @param field outlives this
   PieceMultigrid(const LeanField& field, int threads);
 
@@ -96,6 +98,9 @@ public:
   [[nodiscard]] double slowest() const noexcept { return edge_ == 2 ? 0.5 : 0.75; }
 
 private:
+  /// Links of at least this part of the strongest ones join nodes; halved from level to level.
+  static constexpr double strongPart = 0.25;
+
   /// @param edge of a block, in nodes
   void label(const LeanField& field, std::int64_t edge);
   template <class Gather>

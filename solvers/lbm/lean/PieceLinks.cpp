@@ -1,0 +1,512 @@
+// Which nodes, and which pieces, are pieces of the next level, and the links between them.
+#include "lbm/lean/PieceBlocks.h"
+#include "lbm/multigrid/Multigrid.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace lamella::lbm
+{
+namespace
+{
+
+// The same as strongPart for all links along an axis, where spacings differ.
+constexpr double strongAxis = 0.1;
+// A level that is not smaller than this part of the one before ends the coarsening.
+constexpr double worthwhile = 0.8;
+constexpr std::size_t mostNodes = PieceMultigrid::mostEdge * PieceMultigrid::mostEdge * PieceMultigrid::mostEdge;
+
+float half(float inside)
+{
+  return inside > 0 ? 0.5F / inside : 0.0F;
+}
+
+float inSeries(float between, float insideHere, float insideThere, float least)
+{
+  return between > 0 ? std::max(least * between, 1 / (half(insideHere) + 1 / between + half(insideThere))) : 0.0F;
+}
+
+// A few sums by key, in the order in which keys come first.
+struct Few
+{
+  std::vector<std::uint32_t> key;
+  std::vector<float> sum;
+  void clear()
+  {
+    key.clear();
+    sum.clear();
+  }
+  void add(std::uint32_t k, float value)
+  {
+    for (std::size_t i = 0; i < key.size(); ++i)
+      if (key[i] == k)
+      {
+        sum[i] += value;
+        return;
+      }
+    key.push_back(k);
+    sum.push_back(value);
+  }
+};
+
+// Where spacings differ, links along an axis may be weak altogether.
+std::array<bool, 3> strongAxes(const Links& links, const std::array<std::int64_t, 3>& size)
+{
+  double strongest = 0;
+  for (std::size_t a = 0; a < 3; ++a)
+    if (size[a] > 1)
+      strongest = std::max(strongest, links.factor(static_cast<int>(a)));
+  std::array<bool, 3> strong{};
+  for (std::size_t a = 0; a < 3; ++a)
+    strong[a] = size[a] == 1 || links.factor(static_cast<int>(a)) >= strongAxis * strongest;
+  return strong;
+}
+
+// Ghosts are parts of the next level's ghosts: their owners tell which, by its place along the side.
+void coarseOfGhosts(PieceLevel& fine, const PieceLevel& next)
+{
+  std::array<std::vector<std::uint32_t>, PieceHalo::sides> mine;
+  std::vector<std::uint32_t> place(next.count(), PieceLevel::none);
+  for (std::size_t side = 0; side < PieceHalo::sides; ++side)
+  {
+    const auto& along = next.halo.along(side);
+    for (std::size_t k = 0; k < along.size(); ++k)
+      place[along[k]] = static_cast<std::uint32_t>(k);
+    for (const std::uint32_t i : fine.halo.along(side))
+      mine[side].push_back(fine.coarse[i] == PieceLevel::none ? PieceLevel::none : place[fine.coarse[i]]);
+  }
+  const auto theirs = fine.halo.swap(mine);
+  for (std::size_t side = 0; side < PieceHalo::sides; ++side)
+    for (std::size_t k = 0; k < theirs[side].size(); ++k)
+      if (theirs[side][k] != PieceLevel::none)
+        fine.coarse[fine.halo.start(side, 0) + k] = next.halo.start(side, 0) + theirs[side][k];
+}
+
+std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i)
+{
+  while (parent[i] != i)
+    i = parent[i] = parent[parent[i]];
+  return i;
+}
+
+} // namespace
+
+// The pieces of every block of nodes.
+void PieceMultigrid::label(const LeanField& field, std::int64_t edge)
+{
+  const std::array<std::int64_t, 3> size = field.size();
+  edge_ = edge;
+  levels_.clear();
+  PieceLevel& first = levels_.emplace_back();
+  first.shared = lattice_->comm->parallel();
+  first.parts = std::make_shared<const Decomposition>(*lattice_->parts);
+  first.halvings = first.depth = edge == 2 ? 1 : 2;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    first.blocks[a] = (size[a] + edge - 1) / edge;
+    first.begin[a] = lattice_->start[a] / edge;
+    first.all[a] = (lattice_->size[a] + edge - 1) / edge;
+  }
+  const auto nodes = static_cast<std::size_t>(edge * edge * edge);
+  labels_.assign(blockCount(first.blocks) * labelWords(edge), 0);
+  const std::uint32_t apart = apartIn(edge);
+  first.start.assign(blockCount(first.blocks) + 1, 0);
+  // which phases are joined
+  std::vector<std::uint8_t> joined(256 * 256, 0);
+  everyLink_ = true;
+  const std::span<const std::uint8_t> ids = field.ids();
+  for (const std::uint8_t a : ids)
+    for (const std::uint8_t b : ids)
+    {
+      const double link = field.links().mean(a, b);
+      const bool strong = link > 0 && link >= strongPart * std::max(field.links().mean(a, a), field.links().mean(b, b));
+      joined[static_cast<std::size_t>(a) * 256 + b] = strong ? 1 : 0;
+      everyLink_ = everyLink_ && (strong || !(link > 0));
+    }
+  const std::array<bool, 3> alongJoined = strongAxes(field.links(), lattice_->size);
+  everyLink_ = everyLink_ && alongJoined == std::array<bool, 3>{ true, true, true };
+  const std::array<std::size_t, 3> steps{ 1, static_cast<std::size_t>(edge), static_cast<std::size_t>(edge * edge) };
+  forBlocks(first.blocks,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t block)
+    {
+      std::array<std::uint8_t, mostNodes> parent{}; // towards the least node of its piece
+      std::array<int, mostNodes> id{};
+      const auto root = [&](std::size_t i)
+      {
+        while (parent[i] != i)
+          i = parent[i] = parent[parent[i]];
+        return i;
+      };
+      std::size_t n = 0;
+      for (std::int64_t z = 0; z < edge; ++z)
+        for (std::int64_t y = 0; y < edge; ++y)
+        {
+          const bool inside = edge * by + y < size[1] && edge * bz + z < size[2];
+          const std::uint8_t* row = inside ? field.phaseRow(edge * by + y, edge * bz + z) + edge * bx : nullptr;
+          for (std::int64_t x = 0; x < edge; ++x, ++n)
+          {
+            id[n] = inside && edge * bx + x < size[0] && field.links().conducts(row[x]) ? row[x] : -1;
+            parent[n] = static_cast<std::uint8_t>(n);
+            if (id[n] < 0)
+              continue;
+            const std::array<bool, 3> has{ x > 0, y > 0, z > 0 };
+            for (std::size_t a = 0; a < 3; ++a)
+              if (has[a] && alongJoined[a] && id[n - steps[a]] >= 0 &&
+                joined[static_cast<std::size_t>(id[n]) * 256 + static_cast<std::size_t>(id[n - steps[a]])] != 0)
+              {
+                const std::size_t i = root(n);
+                const std::size_t j = root(n - steps[a]);
+                parent[std::max(i, j)] = static_cast<std::uint8_t>(std::min(i, j));
+              }
+          }
+        }
+      std::uint32_t pieces = 0;
+      std::array<std::uint32_t, mostNodes> number{};
+      for (std::size_t i = 0; i < nodes; ++i)
+      {
+        const std::size_t least = root(i);
+        if (least == i)
+          number[i] = id[i] < 0 ? apart : pieces++;
+        const std::size_t bits = edge == 2 ? 4 : 8;
+        labels_[block * labelWords(edge) + i * bits / 32] |= number[least] << (bits * i % 32);
+      }
+      first.start[block] = pieces;
+    });
+  startsFromCounts(first.start);
+}
+
+// The links of a level whose pieces are known. gather(bx, by, bz, f) calls f(here, there, link, axis) for every link of
+// every child in a block, from either end: there is `none` beyond a wall, axis is 3 inside a child's own block.
+template <class Gather>
+void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
+{
+  const std::size_t n = level.count();
+  for (auto* v : { &level.b, &level.inverse, &level.wall })
+    v->assign(n, 0.0F);
+  level.x.assign(level.withGhosts(), 0.0F);
+  for (auto& v : level.work)
+    v.assign(level.withGhosts(), 0.0F); // first: the links inside each piece along x, y, z
+  level.row.assign(n + 1, 0);
+  forBlocks(level.blocks,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t)
+    {
+      gather(bx, by, bz,
+        [&](std::uint32_t here, std::uint32_t there, float link, std::size_t axis)
+        {
+          if (there == PieceLevel::none)
+            level.wall[here] += link;
+          else if (here == there && axis < 3)
+            level.work[axis][here] += 0.5F * link; // it comes from either end
+        });
+    });
+  for (auto& v : level.work)
+    level.halo.exchange(v);
+  constexpr float least = leastBlockLink;
+  // how many links an unknown has, then which
+  for (const bool fill : { false, true })
+  {
+    forBlocks(level.blocks,
+      [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t block)
+      {
+        thread_local std::vector<std::array<Few, 4>> few; // by piece and by axis; 3: to a piece of the same block
+        const std::uint32_t begin = level.start[block];
+        const std::uint32_t end = level.start[block + 1];
+        if (few.size() < end - begin)
+          few.resize(end - begin);
+        gather(bx, by, bz,
+          [&](std::uint32_t here, std::uint32_t there, float link, std::size_t axis)
+          {
+            if (there != PieceLevel::none && here != there)
+              few[here - begin][there >= begin && there < end ? 3 : axis].add(there, link);
+          });
+        for (std::uint32_t i = begin; i < end; ++i)
+        {
+          std::size_t at = level.row[i];
+          const float wall = inSeries(level.wall[i], level.work[static_cast<std::size_t>(axis_)][i], 0, least);
+          double total = static_cast<double>(wall);
+          for (std::size_t axis = 0; axis < 4; ++axis)
+          {
+            Few& f = few[i - begin][axis];
+            for (std::size_t k = 0; k < f.key.size(); ++k, ++at)
+              if (fill)
+              {
+                const float link =
+                  axis == 3 ? f.sum[k] : inSeries(f.sum[k], level.work[axis][i], level.work[axis][f.key[k]], least);
+                level.other[at] = f.key[k];
+                level.link[at] = PieceLevel::packed(link);
+                total += static_cast<double>(level.linkAt(at));
+              }
+            f.clear();
+          }
+          if (fill)
+          {
+            level.wall[i] = wall;
+            level.inverse[i] = total > 0 ? static_cast<float>(1 / total) : 0.0F;
+          }
+          else
+            level.row[i] = at; // a count, from 0
+        }
+      });
+    if (fill)
+      break;
+    std::size_t before = 0;
+    for (auto& r : level.row)
+      r = std::exchange(before, before + r);
+    level.other.assign(before, 0);
+    level.link.assign(before, 0);
+  }
+}
+
+// The links between the pieces of blocks of nodes.
+void PieceMultigrid::linkFirst(const LeanField& field)
+{
+  PieceLevel& level = levels_.front();
+  const std::array<std::int64_t, 3> size = field.size();
+  const std::array<std::int64_t, 3> blocks = level.blocks;
+  const auto beyond = level.halo.parallel() ? level.halo.ofBlocks(labels_, labelWords(edge_))
+                                            : std::array<std::vector<std::uint32_t>, PieceHalo::sides>{};
+  const std::size_t words = labelWords(edge_);
+  const std::uint32_t apart = apartIn(edge_);
+  const auto numbered = [&](const std::uint32_t* labels, std::uint32_t start, const std::array<std::int64_t, 3>& p)
+  {
+    const std::uint32_t piece = labelOf(labels, nodeOf(p, edge_), edge_);
+    return piece == apart ? PieceLevel::none : start + piece;
+  };
+  const auto blockOf = [&](const std::array<std::int64_t, 3>& p) {
+    return std::array<std::int64_t, 3>{ p[0] / edge_, p[1] / edge_, p[2] / edge_ };
+  };
+  const auto unknown = [&](const std::array<std::int64_t, 3>& p)
+  {
+    const std::size_t block = blockIndex(blocks, blockOf(p));
+    return numbered(labels_.data() + block * words, level.start[block], p);
+  };
+  // what the links along an axis in a piece count for: those in a row are in series
+  std::vector<float> inside;
+  if (edge_ > 2)
+  {
+    inside.assign(3 * level.count(), 1.0F);
+    forBlocks(blocks,
+      [&](std::int64_t, std::int64_t, std::int64_t, std::size_t block)
+      {
+        const std::uint32_t n = level.start[block + 1] - level.start[block];
+        for (std::uint32_t piece = 0; piece < n; ++piece)
+        {
+          std::array<std::int64_t, 3> low{ 9, 9, 9 };
+          std::array<std::int64_t, 3> high{ -1, -1, -1 };
+          for (std::int64_t k = 0; k < edge_ * edge_ * edge_; ++k)
+            if (labelOf(labels_.data() + block * words, static_cast<std::size_t>(k), edge_) == piece)
+            {
+              const std::array<std::int64_t, 3> p{ k % edge_, k / edge_ % edge_, k / (edge_ * edge_) };
+              for (std::size_t a = 0; a < 3; ++a)
+              {
+                low[a] = std::min(low[a], p[a]);
+                high[a] = std::max(high[a], p[a]);
+              }
+            }
+          for (std::size_t a = 0; a < 3; ++a)
+            if (const auto length = static_cast<float>(high[a] - low[a]); length > 1)
+              inside[3 * (level.start[block] + piece) + a] = 1 / (length * length);
+        }
+      });
+  }
+  link(level,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, auto&& f)
+    {
+      for (std::int64_t k = 0; k < edge_ * edge_ * edge_; ++k)
+      {
+        const std::array<std::int64_t, 3> p{ edge_ * bx + k % edge_, edge_ * by + k / edge_ % edge_,
+          edge_ * bz + k / (edge_ * edge_) };
+        if (p[0] >= size[0] || p[1] >= size[1] || p[2] >= size[2])
+          continue;
+        const std::uint32_t here = unknown(p);
+        if (here == PieceLevel::none)
+          continue;
+        const std::uint8_t id = field.phaseRow(p[1], p[2])[p[0]];
+        for (std::size_t a = 0; a < 3; ++a)
+          for (const int step : { -1, 1 })
+          {
+            std::array<std::int64_t, 3> q = p;
+            q[a] += step;
+            const bool leaves = q[a] < 0 || q[a] >= size[a];
+            std::uint32_t there = PieceLevel::none;
+            if (leaves && a > 0 && level.halo.has(PieceHalo::sideOf(a, step)))
+            {
+              const std::size_t side = PieceHalo::sideOf(a, step);
+              const std::size_t place = level.halo.place(side, blockOf(p));
+              there = numbered(beyond[side].data() + place * words, level.halo.start(side, place), q);
+            }
+            else if (leaves)
+            {
+              if (field.links().boundary(static_cast<int>(a)) == Boundary::Fixed)
+                f(here, PieceLevel::none, static_cast<float>(field.links().wall(id, static_cast<int>(a))), a);
+              if (!periodic_[a])
+                continue;
+              q[a] = (q[a] + size[a]) % size[a];
+              there = unknown(q);
+            }
+            else
+              there = unknown(q);
+            if (there != PieceLevel::none)
+              f(here, there,
+                (here == there && edge_ > 2 ? inside[3 * here + a] : 1.0F) *
+                  static_cast<float>(field.links().factor(static_cast<int>(a)) *
+                    field.links().mean(id, field.phaseRow(q[1], q[2])[q[0]])),
+                a);
+          }
+      }
+    });
+}
+
+// The next level. Links of at least `strong` of the strongest at both ends join. Returns whether that was worth while.
+bool PieceMultigrid::coarsen(double strong)
+{
+  PieceLevel next;
+  PieceLevel& fine = levels_.back();
+  const std::array<std::int64_t, 3> size = fine.blocks;
+  next.shared = fine.shared;
+  next.parts = fine.parts;
+  next.halvings = fine.halvings + 1;
+  next.depth = fine.depth + 1;
+  for (std::size_t a = 0; a < 3; ++a)
+  {
+    next.blocks[a] = (size[a] + 1) / 2;
+    next.begin[a] = fine.begin[a] / 2;
+    next.all[a] = (fine.all[a] + 1) / 2;
+  }
+  const bool halves = next.blocks != size;
+  if (fine.shared ? !lattice_->comm->any(halves) : !halves)
+    return false;
+  const std::size_t n = fine.count();
+  fine.coarse.assign(fine.withGhosts(), PieceLevel::none);
+  next.start.assign(blockCount(next.blocks) + 1, 0);
+
+  std::vector<float>& strongest = fine.work[0]; // link of each unknown
+  for (std::size_t i = 0; i < n; ++i)
+  {
+    strongest[i] = 0;
+    for (std::size_t e = fine.row[i]; e < fine.row[i + 1]; ++e)
+      strongest[i] = std::max(strongest[i], fine.linkAt(e));
+  }
+  // f(unknown of the fine level, its block, where along x that is) for all of a coarse block, in order
+  const auto forChildren = [&](std::int64_t bx, std::int64_t by, std::int64_t bz, auto&& f)
+  {
+    for (std::int64_t z = 2 * bz; z < std::min(2 * bz + 2, size[2]); ++z)
+      for (std::int64_t y = 2 * by; y < std::min(2 * by + 2, size[1]); ++y)
+        for (std::int64_t x = 2 * bx; x < std::min(2 * bx + 2, size[0]); ++x)
+        {
+          const std::array<std::int64_t, 3> block{ x, y, z };
+          const std::size_t at = blockIndex(size, block);
+          for (std::uint32_t i = fine.start[at]; i < fine.start[at + 1]; ++i)
+            f(i, block);
+        }
+  };
+  // pieces, numbered within their block at first
+  std::vector<std::uint32_t> place(n, 0); // of a child in its block
+  forBlocks(next.blocks,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t block)
+    {
+      thread_local std::vector<std::uint32_t> children;
+      thread_local std::vector<std::uint32_t> parent;
+      children.clear();
+      forChildren(bx, by, bz,
+        [&](std::uint32_t i, const auto&)
+        {
+          place[i] = static_cast<std::uint32_t>(children.size());
+          children.push_back(i);
+        });
+      parent.resize(children.size());
+      std::iota(parent.begin(), parent.end(), 0U);
+      for (std::uint32_t k = 0; k < children.size(); ++k)
+      {
+        const std::uint32_t i = children[k];
+        for (std::size_t e = fine.row[i]; e < fine.row[i + 1]; ++e)
+        {
+          const std::uint32_t j = fine.other[e];
+          const float enough = static_cast<float>(strong) * std::max(strongest[i], strongest[j]);
+          if (j > i || j < children.front() || !std::ranges::binary_search(children, j) || fine.linkAt(e) < enough)
+            continue;
+          const std::uint32_t a = rootOf(parent, k);
+          const std::uint32_t b = rootOf(parent, place[j]);
+          parent[std::max(a, b)] = std::min(a, b);
+        }
+      }
+      std::uint32_t pieces = 0;
+      for (std::uint32_t k = 0; k < children.size(); ++k)
+      {
+        const std::uint32_t root = rootOf(parent, k);
+        std::uint32_t& coarse = fine.coarse[children[k]];
+        if (root != k)
+          coarse = fine.coarse[children[root]];
+        else if (fine.inverse[children[k]] > 0) // else an island that is whole: nothing is left to correct
+          coarse = pieces++;
+      }
+      next.start[block] = pieces;
+    });
+  startsFromCounts(next.start);
+  if (static_cast<double>(total(next)) > worthwhile * static_cast<double>(total(fine)))
+  {
+    fine.coarse = {};
+    return false;
+  }
+  forBlocks(next.blocks,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t block)
+    {
+      forChildren(bx, by, bz,
+        [&](std::uint32_t i, const auto&)
+        {
+          if (fine.coarse[i] != PieceLevel::none)
+            fine.coarse[i] += next.start[block];
+        });
+    });
+  place = {};
+  if (next.shared)
+  {
+    next.halo = PieceHalo(*lattice_->comm, *next.parts, periodic_, next.blocks, next.start);
+    coarseOfGhosts(fine, next);
+  }
+  // the axis along which the block of unknown j follows or precedes this one; 3: it is the same
+  const auto axisTo = [&](const std::array<std::int64_t, 3>& block, std::uint32_t j)
+  {
+    const auto holds = [&](const std::array<std::int64_t, 3>& p)
+    {
+      const std::size_t at = blockIndex(size, p);
+      return j >= fine.start[at] && j < fine.start[at + 1];
+    };
+    if (j >= n)
+      return PieceHalo::axisOf(fine.halo.sideWith(j));
+    if (holds(block))
+      return std::size_t{ 3 };
+    for (const std::size_t a : { std::size_t{ 0 }, std::size_t{ 1 } })
+      for (const std::int64_t step : { std::int64_t{ -1 }, std::int64_t{ 1 } })
+      {
+        std::array<std::int64_t, 3> p = block;
+        p[a] += step;
+        if (wraps(fine)[a])
+          p[a] = (p[a] + size[a]) % size[a];
+        if (p[a] >= 0 && p[a] < size[a] && holds(p))
+          return a;
+      }
+    return std::size_t{ 2 };
+  };
+  link(next,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, auto&& f)
+    {
+      forChildren(bx, by, bz,
+        [&](std::uint32_t i, const std::array<std::int64_t, 3>& block)
+        {
+          const std::uint32_t here = fine.coarse[i];
+          if (here == PieceLevel::none)
+            return;
+          if (fine.wall[i] > 0)
+            f(here, PieceLevel::none, fine.wall[i], std::size_t{ 0 });
+          for (std::size_t e = fine.row[i]; e < fine.row[i + 1]; ++e)
+            if (const std::uint32_t j = fine.other[e]; fine.coarse[j] != PieceLevel::none)
+              f(here, fine.coarse[j], fine.linkAt(e), axisTo(block, j));
+        });
+    });
+  levels_.push_back(std::move(next));
+  return true;
+}
+
+} // namespace lamella::lbm
