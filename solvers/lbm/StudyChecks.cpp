@@ -31,7 +31,7 @@ double bytesAt(const StudySize& size, int refinement)
   const double scale = std::pow(static_cast<double>(refinement), lattice.dimension);
   return scale *
     (solver * size.ranksOnMachine / size.ranks + count * (size.ranksOnMachine + (size.ranks > 1 ? 1 : 0)) +
-      (size.fields ? count * (8 + 24 + 2) : 0));
+      (size.fields ? count * (8 + 24 + 2) : 0) + (size.membranes ? 2 * count * size.ranksOnMachine : 0));
 }
 
 // Processor time for a node, set-up and solve to 1e-6, on the machine of docs/benchmarks/volumes.md.

@@ -17,7 +17,8 @@ struct StudySize
   std::int64_t conducting = 0; ///< nodes of it; as many as there must be, where the phases are not known yet
   Stencil stencil = Stencil::D2Q5;
   int refinement = 1;
-  bool fields = false; ///< they are handed out as well
+  bool fields = false;    ///< they are handed out as well
+  bool membranes = false; ///< each node then has an id of its own for its part of them
   int ranks = 1;
   int ranksOnMachine = 1;
 };

@@ -17,27 +17,29 @@ constexpr double strongAxis = 0.1;
 constexpr double worthwhile = 0.8;
 constexpr std::size_t mostNodes = PieceMultigrid::mostEdge * PieceMultigrid::mostEdge * PieceMultigrid::mostEdge;
 
-float half(float inside)
+// In double, for a link is made at either end of it, and both have to come to the same 16 bits.
+double half(float inside)
 {
-  return inside > 0 ? 0.5F / inside : 0.0F;
+  return inside > 0 ? 0.5 / static_cast<double>(inside) : 0.0;
 }
 
-float inSeries(float between, float insideHere, float insideThere, float least)
+double inSeries(double between, float insideHere, float insideThere)
 {
-  return between > 0 ? std::max(least * between, 1 / (half(insideHere) + 1 / between + half(insideThere))) : 0.0F;
+  constexpr double least = static_cast<double>(leastBlockLink);
+  return between > 0 ? std::max(least * between, 1 / (half(insideHere) + 1 / between + half(insideThere))) : 0.0;
 }
 
 // A few sums by key, in the order in which keys come first.
 struct Few
 {
   std::vector<std::uint32_t> key;
-  std::vector<float> sum;
+  std::vector<double> sum;
   void clear()
   {
     key.clear();
     sum.clear();
   }
-  void add(std::uint32_t k, float value)
+  void add(std::uint32_t k, double value)
   {
     for (std::size_t i = 0; i < key.size(); ++i)
       if (key[i] == k)
@@ -202,7 +204,6 @@ void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
     });
   for (auto& v : level.work)
     level.halo.exchange(v);
-  constexpr float least = leastBlockLink;
   // how many links an unknown has, then which
   for (const bool fill : { false, true })
   {
@@ -218,30 +219,31 @@ void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
           [&](std::uint32_t here, std::uint32_t there, float link, std::size_t axis)
           {
             if (there != PieceLevel::none && here != there)
-              few[here - begin][there >= begin && there < end ? 3 : axis].add(there, link);
+              few[here - begin][there >= begin && there < end ? 3 : axis].add(there, static_cast<double>(link));
           });
         for (std::uint32_t i = begin; i < end; ++i)
         {
           std::size_t at = level.row[i];
-          const float wall = inSeries(level.wall[i], level.work[static_cast<std::size_t>(axis_)][i], 0, least);
-          double total = static_cast<double>(wall);
+          const double wall =
+            inSeries(static_cast<double>(level.wall[i]), level.work[static_cast<std::size_t>(axis_)][i], 0);
+          double total = wall;
           for (std::size_t axis = 0; axis < 4; ++axis)
           {
             Few& f = few[i - begin][axis];
             for (std::size_t k = 0; k < f.key.size(); ++k, ++at)
               if (fill)
               {
-                const float link =
-                  axis == 3 ? f.sum[k] : inSeries(f.sum[k], level.work[axis][i], level.work[axis][f.key[k]], least);
+                const double link =
+                  axis == 3 ? f.sum[k] : inSeries(f.sum[k], level.work[axis][i], level.work[axis][f.key[k]]);
                 level.other[at] = f.key[k];
-                level.link[at] = PieceLevel::packed(link);
+                level.link[at] = PieceLevel::packed(static_cast<float>(link));
                 total += static_cast<double>(level.linkAt(at));
               }
             f.clear();
           }
           if (fill)
           {
-            level.wall[i] = wall;
+            level.wall[i] = static_cast<float>(wall);
             level.inverse[i] = total > 0 ? static_cast<float>(1 / total) : 0.0F;
           }
           else

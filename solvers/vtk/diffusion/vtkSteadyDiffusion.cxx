@@ -697,6 +697,7 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   lbm::StudySize size{ lattice, 0, found.stencil, this->Refinement, fields && !internal.Sink };
   for (std::size_t id = 0; id < scene.nodes.size(); ++id)
     size.conducting += internal.Values[id] > 0 ? scene.nodes[id] : 0;
+  size.membranes = !internal.Membranes.empty();
   const lamella::Communicator comm(team.comm());
   size.ranks = comm.size();
   size.ranksOnMachine = comm.sizeOnMachine();
