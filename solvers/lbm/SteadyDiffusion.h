@@ -78,7 +78,7 @@ struct SteadyOptions
   /// Conductivities of the links one by one instead of harmonic means of the phases': D2Q5, or with diagonals D2Q9
   /// (linksOf(), directedLinks()).
   std::shared_ptr<const LinkTable> links;
-  /// With Q1: a tensor in every node, of the whole lattice. The diffusivities are then directed->larger(). Or none.
+  /// With Q1: a tensor in every node of this rank's block. The diffusivities are then directed->larger(). Or none.
   std::shared_ptr<const DirectedDiffusivity> directed;
 };
 
@@ -131,7 +131,7 @@ struct SteadyResult
 /// diffusivities, 12 D w_q to a wall value half-way, diagonal links reflected specularly at insulated sides.
 ///
 /// With D2Q5 and D3Q7 this is the cell-centred finite volume scheme with harmonic faces. Q1 is another scheme: elements
-/// (ElementSystem.h), for tensors of any ratio and direction, on one rank.
+/// (ElementSystem.h), for tensors of any ratio and direction.
 ///
 /// Solved by multigrid (Method). Multigrid and AlgebraicMultigrid: conjugate gradients in single precision,
 /// preconditioned by one cycle, on a field and its residual in double. LeanMultigrid and PieceMultigrid: plain cycles
