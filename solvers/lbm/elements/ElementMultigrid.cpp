@@ -17,6 +17,7 @@ constexpr int eigenvalueSteps = 12; // of the power method
 constexpr double weakAxis = 0.2;    // axes that couple less than this part of the strongest are left as they are
 constexpr std::int64_t directNodes = 1500;
 constexpr std::int64_t threadedNodes = 30000;
+constexpr std::int64_t rowsTogether = 16; // of a colour, by one thread
 
 template <class Real>
 struct Apply;
@@ -159,7 +160,10 @@ template <class Real, class F>
 void ElementOperator::forRows(const RowRange& rows, F&& f) const
 {
   const auto& e = box_.elements;
-  const auto [low, high] = rows[1];
+  const std::int64_t high = rows[1][1];
+  // planes of few rows go together: what they share stays in the cache
+  const std::int64_t together = std::max<std::int64_t>(1, rowsTogether / e[1]);
+  const std::int64_t groups = (high - rows[1][0] + together - 1) / together;
 #pragma omp parallel num_threads(threads_) if (threads_ > 1)
   {
     Tensors tensors(e[0]);
@@ -167,13 +171,16 @@ void ElementOperator::forRows(const RowRange& rows, F&& f) const
     for (std::int64_t colour = 0; colour < 2; ++colour)
     {
 #pragma omp for schedule(static)
-      for (std::int64_t half = 0; half < (high - low + 1 - colour) / 2; ++half)
-        for (std::int64_t y = rows[0][0]; y < rows[0][1]; ++y)
-        {
-          const std::int64_t z = low + 2 * half + colour;
-          tensors_(y, z, tensors.rows);
-          f(y, z, tensors, buffer.data());
-        }
+      for (std::int64_t half = 0; half < (groups + 1 - colour) / 2; ++half)
+      {
+        const std::int64_t from = rows[1][0] + together * (2 * half + colour);
+        for (std::int64_t z = from; z < std::min(from + together, high); ++z)
+          for (std::int64_t y = rows[0][0]; y < rows[0][1]; ++y)
+          {
+            tensors_(y, z, tensors.rows);
+            f(y, z, tensors, buffer.data());
+          }
+      }
     }
   }
 }

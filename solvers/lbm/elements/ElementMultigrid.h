@@ -91,7 +91,8 @@ double ElementBox::dot(const std::vector<A>& a, const std::vector<B>& b, int thr
 /// Fills the six rows of an ElementRow's tensors for the row of elements (y, z).
 using TensorRows = std::function<void(std::int64_t y, std::int64_t z, float* const tensor[6])>;
 
-/// Applies the elements of a box, row by row: planes of elements in two colours, so that threads change nothing.
+/// Applies the elements of a box, row by row: planes of elements, or groups of them, in two colours, so that threads
+/// change nothing.
 class ElementOperator
 {
 public:
