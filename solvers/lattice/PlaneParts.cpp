@@ -17,7 +17,7 @@ PlaneParts::PlaneParts(std::int64_t planes, bool periodic, const Communicator& c
   , periodic_(periodic)
 {
   const auto ranks = static_cast<std::int64_t>(comm.size());
-  if (ranks == 1)
+  if (!canSplit(planes, comm.size()))
     return;
   // Parts of whole blocks of planes, which may be halved as often as blocks may; from there on every rank works out all
   // of what is left, at most a quarter of the box at each halving, and smoothed twice as much.

@@ -20,7 +20,12 @@ public:
   static constexpr std::int64_t fewNodes = 4096; ///< which every rank works out by itself
 
   PlaneParts() = default; ///< not split: every rank has all planes
-  /// Split where there are several ranks and planes enough for all of them.
+  /// Are there several ranks, and planes enough for all of them?
+  [[nodiscard]] static bool canSplit(std::int64_t planes, int ranks) noexcept
+  {
+    return ranks > 1 && (planes + 1) / 2 >= ranks;
+  }
+  /// Split where that can be.
   PlaneParts(std::int64_t planes, bool periodic, const Communicator& comm);
 
   [[nodiscard]] bool split() const noexcept { return begin_.size() > 1; }
