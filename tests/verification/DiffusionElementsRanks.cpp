@@ -79,8 +79,8 @@ Solved solved(const Scene& scene, int axis, Sides sides, MPI_Comm comm, bool lay
   const Lattice& lattice = scene.image.lattice;
   const Block block = decompose(lattice, comm);
   lbm::SteadyOptions o =
-    optionsOf(scene.image, { .axis = axis, .sides = sides, .tolerance = sides == Sides::Periodic ? 1e-7 : 1e-13 });
-  o.fieldTolerance = 1e-7;
+    optionsOf(scene.image, { .axis = axis, .sides = sides, .tolerance = sides == Sides::Periodic ? 1e-6 : 1e-12 });
+  o.fieldTolerance = 1e-6;
   o.stencil = lbm::Stencil::Q1;
   auto directed = std::make_shared<lbm::DirectedDiffusivity>(scene.diffusivity);
   directed->axis.clear();
@@ -138,8 +138,8 @@ TEST_P(ElementsOnRanks, GiveWhatOneGives)
       EXPECT_NEAR(all.result.outletFlux, value, 1e-9 * value);
       // fields, and what depends on them to first order, to the root of the value's error
       for (std::size_t a = 0; a < 3; ++a)
-        EXPECT_NEAR(all.result.effective[a], one.result.effective[a], 3e-7 * value);
-      EXPECT_NEAR(all.derivatives.along[0], one.derivatives.along[0], 3e-7 * value);
+        EXPECT_NEAR(all.result.effective[a], one.result.effective[a], 3e-6 * value);
+      EXPECT_NEAR(all.derivatives.along[0], one.derivatives.along[0], 3e-6 * value);
       EXPECT_TRUE(std::isnan(all.derivatives.along[1]));
       std::size_t i = 0;
       double worst = 0;
@@ -156,18 +156,19 @@ TEST_P(ElementsOnRanks, GiveWhatOneGives)
             for (std::size_t a = 0; a < 3; ++a)
               worstFlux = std::max(worstFlux, std::abs(all.flux[3 * i + a] - one.flux[3 * at + a]) / unit);
           }
-      EXPECT_LT(worst, 1e-6);
+      EXPECT_LT(worst, 3e-6);
       EXPECT_LT(worstFlux, 1e-5);
     }
 }
 
 // Blocks cut along z, along y, along both; slabs of y and z; last coarse elements half as long; more levels than one
-// before what is left is gathered; too small to be shared out.
+// before what is left is gathered; too small to be shared out, or too thin for four ranks.
 INSTANTIATE_TEST_SUITE_P(All, ElementsOnRanks,
   testing::Values(Shape{ "cube", { 24, 24, 24 } }, Shape{ "odd", { 21, 17, 23 } },
     Shape{ "wide", { 9, 39, 19 }, { 1, 2, 0.5 } }, Shape{ "flat", { 30, 66, 4 } }, Shape{ "deep", { 8, 7, 97 } },
     Shape{ "fine", { 40, 32, 36 }, { 1, 1, 1 }, 0, false }, Shape{ "picture", { 71, 65, 1 } },
-    Shape{ "large_picture", { 130, 131, 1 }, { 1, 1, 1 }, 0.1, false }, Shape{ "small", { 9, 8, 7 } }),
+    Shape{ "large_picture", { 130, 131, 1 }, { 1, 1, 1 }, 0.1, false }, Shape{ "small", { 9, 8, 7 } },
+    Shape{ "rod", { 300, 5, 5 }, { 1, 1, 1 }, 0.02 }),
   [](const auto& shape) { return shape.param.name; });
 
 // What people ask for: the same steps, however many work at them.
@@ -192,6 +193,17 @@ TEST(ElementRanks, TakeTheIterationsOfOne)
       EXPECT_EQ(iterations(world()), iterations(MPI_COMM_SELF)) << static_cast<int>(sides);
     }
   }
+}
+
+// What the memory check divides by.
+TEST(ElementRanks, ShareWhatHasTwoLayersARank)
+{
+  const Lattice rod = makeLattice(300, 5, 6, 3, 1.0);
+  EXPECT_EQ(lbm::ranksSharing(rod, lbm::Stencil::Q1, 1), 1);
+  EXPECT_EQ(lbm::ranksSharing(rod, lbm::Stencil::Q1, 3), 3);
+  EXPECT_EQ(lbm::ranksSharing(rod, lbm::Stencil::Q1, 4), 1);
+  EXPECT_EQ(lbm::ranksSharing(rod, lbm::Stencil::D3Q7, 4), 4);
+  EXPECT_EQ(lbm::ranksSharing(makeLattice(300, 40, 1, 2, 1.0), lbm::Stencil::Q1, 4), 4);
 }
 
 TEST(ElementRanks, ABlockThatTheFaceDoesNotReachIsNoPath)
