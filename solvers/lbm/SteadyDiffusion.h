@@ -197,8 +197,8 @@ private:
 /// The method that takes the least memory; what auto falls back on where another one does not fit.
 [[nodiscard]] Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts) noexcept;
 
-/// Ranks that share the solver's arrays out: all of them; of elements, in a box with less than two layers a rank along the
-/// longer one of y and z, none, for then every rank works on all of it.
+/// Ranks that share the solver's arrays out: all of them; of elements, in a box with less than two layers a rank along
+/// the longer one of y and z, none, for then every rank works on all of it.
 [[nodiscard]] int ranksSharing(const Lattice& lattice, Stencil stencil, int ranks) noexcept;
 
 /// Bytes that solving on this many nodes takes in solver arrays, before anything is allocated.
