@@ -178,7 +178,8 @@ bool ElasticMultigrid<D>::coarsen()
       w.clear();
 
   fine.below = fine.halved[D - 1] ? from.parts.halved(to.planes()) : from.parts;
-  to.parts = to.ownNodes() > fewNodes && fine.below.split() && fine.below.beginEven() ? fine.below : PlaneParts{};
+  to.parts =
+    to.ownNodes() > PlaneParts::fewNodes && fine.below.split() && fine.below.beginEven() ? fine.below : PlaneParts{};
 
   // moduli are over the edge's square and times the volume, so that sums make means
   const int kinds = fine.op->moduliCount();

@@ -2,7 +2,7 @@
 
 #include "elasticity/ElasticKernels.h"
 #include "elasticity/PairKernels.h"
-#include "elasticity/PlaneParts.h"
+#include "lattice/PlaneParts.h"
 
 #include <algorithm>
 #include <array>
@@ -13,8 +13,6 @@
 
 namespace lamella::elasticity
 {
-
-inline constexpr std::int64_t fewNodes = 4096; ///< which every rank works out by itself
 
 /// A box of elements in D dimensions, and its nodes. Along x the last node of a row is always stored, as a copy of the
 /// first one where x is periodic; along the other axes only nodes of their own are. Arrays hold one component after the
@@ -69,7 +67,7 @@ struct ElasticGrid
   /// Splits its planes over ranks, unless it is small.
   void share(const Communicator& ranks)
   {
-    if (ownNodes() > fewNodes)
+    if (ownNodes() > PlaneParts::fewNodes)
       parts = PlaneParts(planes(), periodic[D - 1], ranks);
   }
   [[nodiscard]] bool stretched() const noexcept

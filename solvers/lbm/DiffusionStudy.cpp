@@ -187,8 +187,10 @@ private:
       steady.method = Method::Auto; // what suits the picture need not suit a part of it
     if (options_.directed)
     {
-      auto directed = std::make_shared<DirectedDiffusivity>(directedOf(refined, part, refinement));
-      if (steady.stencil == Stencil::Q1)
+      const bool elements = steady.stencil == Stencil::Q1; // links are of the whole lattice on every rank
+      auto directed = std::make_shared<DirectedDiffusivity>(
+        directedOf(elements ? block : Block{ { 0, 0, 0 }, refined.lattice.size }, part, refinement));
+      if (elements)
         steady.directed = std::move(directed);
       else
       {
@@ -284,18 +286,19 @@ private:
   }
 
   // Of a part of the picture, split.
-  [[nodiscard]] DirectedDiffusivity directedOf(const PhaseImage& refined, const Part& of, int refinement) const
+  [[nodiscard]] DirectedDiffusivity directedOf(const Block& block, const Part& of, int refinement) const
   {
     const DirectedDiffusivity& whole = *options_.directed;
     DirectedDiffusivity part{ whole.along, whole.across, {} };
-    part.axis.reserve(refined.phase.size());
+    part.axis.reserve(static_cast<std::size_t>(block.count()));
     const auto node = [&](std::size_t axis, std::int64_t i) { return of.first[axis] + of.stride * (i / refinement); };
-    const auto& size = refined.lattice.size;
-    for (std::int64_t z = 0; z < size[2]; ++z)
-      for (std::int64_t y = 0; y < size[1]; ++y)
-        for (std::int64_t x = 0; x < size[0]; ++x)
-          part.axis.push_back(whole.axis[static_cast<std::size_t>(
-            image_.lattice.index(node(0, x), node(1, y), size[2] > 1 ? node(2, z) : 0))]);
+    const auto last = [&](std::size_t axis) { return block.start[axis] + block.size[axis]; };
+    const bool flat = image_.lattice.size[2] == 1;
+    for (std::int64_t z = block.start[2]; z < last(2); ++z)
+      for (std::int64_t y = block.start[1]; y < last(1); ++y)
+        for (std::int64_t x = 0; x < block.size[0]; ++x)
+          part.axis.push_back(
+            whole.axis[static_cast<std::size_t>(image_.lattice.index(node(0, x), node(1, y), flat ? 0 : node(2, z)))]);
     return part;
   }
 

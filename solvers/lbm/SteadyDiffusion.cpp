@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/Memory.h"
 #include "core/Passes.h"
+#include "lattice/PlaneParts.h"
 #include "lbm/Backend.h"
 #include "lbm/CompactSystem.h"
 #include "lbm/Connectivity.h"
@@ -248,7 +249,8 @@ struct SteadyDiffusion::Impl
   }
   [[nodiscard]] bool fits(Method way) const
   {
-    return !comm.any(bytes(way) / static_cast<std::uint64_t>(comm.size()) > availableMemory());
+    const int sharing = ranksSharing(lattice, options.stencil, comm.size());
+    return !comm.any(bytes(way) / static_cast<std::uint64_t>(sharing) > availableMemory());
   }
 };
 
@@ -597,6 +599,11 @@ Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts) 
   if (!everyNodeConducts)
     return lean ? Method::PieceMultigrid : Method::AlgebraicMultigrid;
   return lean ? Method::LeanMultigrid : Method::Multigrid;
+}
+
+int ranksSharing(const Lattice& lattice, Stencil stencil, int ranks) noexcept
+{
+  return stencil != Stencil::Q1 || PlaneParts::canSplit(std::max(lattice.size[1], lattice.size[2]), ranks) ? ranks : 1;
 }
 
 std::uint64_t estimateBytes(const Lattice& lattice, Stencil stencil, Method method, std::int64_t conducting)

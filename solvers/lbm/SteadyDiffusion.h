@@ -78,7 +78,7 @@ struct SteadyOptions
   /// Conductivities of the links one by one instead of harmonic means of the phases': D2Q5, or with diagonals D2Q9
   /// (linksOf(), directedLinks()).
   std::shared_ptr<const LinkTable> links;
-  /// With Q1: a tensor in every node, of the whole lattice. The diffusivities are then directed->larger(). Or none.
+  /// With Q1: a tensor in every node of this rank's block. The diffusivities are then directed->larger(). Or none.
   std::shared_ptr<const DirectedDiffusivity> directed;
 };
 
@@ -131,7 +131,7 @@ struct SteadyResult
 /// diffusivities, 12 D w_q to a wall value half-way, diagonal links reflected specularly at insulated sides.
 ///
 /// With D2Q5 and D3Q7 this is the cell-centred finite volume scheme with harmonic faces. Q1 is another scheme: elements
-/// (ElementSystem.h), for tensors of any ratio and direction, on one rank.
+/// (ElementSystem.h), for tensors of any ratio and direction.
 ///
 /// Solved by multigrid (Method). Multigrid and AlgebraicMultigrid: conjugate gradients in single precision,
 /// preconditioned by one cycle, on a field and its residual in double. LeanMultigrid and PieceMultigrid: plain cycles
@@ -196,6 +196,10 @@ private:
 
 /// The method that takes the least memory; what auto falls back on where another one does not fit.
 [[nodiscard]] Method leanest(const Lattice& lattice, Stencil stencil, bool everyNodeConducts) noexcept;
+
+/// Ranks that share the solver's arrays out: all of them; of elements, in a box with less than two layers a rank along
+/// the longer one of y and z, none, for then every rank works on all of it.
+[[nodiscard]] int ranksSharing(const Lattice& lattice, Stencil stencil, int ranks) noexcept;
 
 /// Bytes that solving on this many nodes takes in solver arrays, before anything is allocated.
 [[nodiscard]] std::uint64_t estimateBytes(

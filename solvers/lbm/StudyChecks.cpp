@@ -29,8 +29,12 @@ double bytesAt(const StudySize& size, int refinement)
   const auto count = static_cast<double>(lattice.count());
   const auto solver = static_cast<double>(estimateBytes(lattice, size.stencil, leanest(size), size.conducting));
   const double scale = std::pow(static_cast<double>(refinement), lattice.dimension);
+  Lattice refined = lattice;
+  for (std::int64_t& n : refined.size)
+    n *= refinement;
+  const int sharing = ranksSharing(refined, size.stencil, size.ranks);
   return scale *
-    (solver * size.ranksOnMachine / size.ranks + count * (size.ranksOnMachine + (size.ranks > 1 ? 1 : 0)) +
+    (solver * size.ranksOnMachine / sharing + count * (size.ranksOnMachine + (size.ranks > 1 ? 1 : 0)) +
       (size.fields ? count * (8 + 24 + 2) : 0) + (size.membranes ? 2 * count * size.ranksOnMachine : 0));
 }
 

@@ -506,8 +506,14 @@ class Greys(Case):
 
 class Ranks(Case):
     def test_any_number_of_ranks_gives_the_same(self):
+        self.same_on_ranks()
+
+    def test_any_number_of_ranks_gives_the_same_on_elements(self):
+        self.same_on_ranks("--lattice", "q1")
+
+    def same_on_ranks(self, *lattice):
         self.works("generate", "softwood", "--size", "90,80", "-o", "t.png")
-        words = ["diffusion", "t.png", *CONDUCTIVITIES, "--tolerance", "1e-11", "--json"]
+        words = ["diffusion", "t.png", *CONDUCTIVITIES, *lattice, "--tolerance", "1e-11", "--json"]
         one = self.works(*words, "-o", "one.vti").json()
         for ranks in [2, 3]:
             result = self.run_lamella(*words, "-o", "r%d.vti" % ranks, ranks=ranks)

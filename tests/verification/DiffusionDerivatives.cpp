@@ -99,8 +99,6 @@ class DiffusionDerivatives : public testing::TestWithParam<Case>
 TEST_P(DiffusionDerivatives, AreThoseOfDifferences)
 {
   const Case& c = GetParam();
-  if (c.stencil == Stencil::Q1 && Communicator(MPI_COMM_WORLD).parallel())
-    GTEST_SKIP() << "elements work on one rank";
   const DiffusionAnswer answer = solved(c, c.conductivity, c.across, true);
   const double value = answer.result.effective[0];
   const ConductivityDerivatives& d = answer.derivatives;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <utility>
 
 namespace lamella::lbm
@@ -16,6 +17,7 @@ constexpr int eigenvalueSteps = 12; // of the power method
 constexpr double weakAxis = 0.2;    // axes that couple less than this part of the strongest are left as they are
 constexpr std::int64_t directNodes = 1500;
 constexpr std::int64_t threadedNodes = 30000;
+constexpr std::int64_t rowsTogether = 16; // of a colour, by one thread
 
 template <class Real>
 struct Apply;
@@ -86,30 +88,65 @@ Stencil1 along(const std::vector<float>& width, bool halved, std::int64_t node)
 
 } // namespace
 
-template <class Real>
-void ElementBox::close(std::span<Real> values) const
+namespace
 {
-  for (int a = 0; a < 3; ++a)
+
+// f(low copy, high copy) of the two outer planes of nodes across an axis
+template <class Real, class F>
+void forOuter(const ElementBox& box, int axis, std::span<Real> values, F&& f)
+{
+  const auto stride = [&](int of) { return of == 0 ? 1 : of == 1 ? box.nodes(0) : box.nodes(0) * box.nodes(1); };
+  const int b = axis == 0 ? 1 : 0;
+  const int c = axis == 2 ? 1 : 2;
+  const std::int64_t last = box.elements[static_cast<std::size_t>(axis)] * stride(axis);
+  for (std::int64_t k = 0; k < box.nodes(c); ++k)
+    for (std::int64_t j = 0; j < box.nodes(b); ++j)
+    {
+      const std::int64_t low = j * stride(b) + k * stride(c);
+      f(values[static_cast<std::size_t>(low)], values[static_cast<std::size_t>(low + last)]);
+    }
+}
+
+} // namespace
+
+template <class Real>
+void ElementBox::addCopies(std::span<Real> values) const
+{
+  for (int a = 0; a < (parts.split() ? 2 : 3); ++a)
+    if (periodic[static_cast<std::size_t>(a)])
+      forOuter(*this, a, values, [](Real& low, Real& high) { low = high = low + high; });
+  if (!parts.split())
+    return;
+  const auto plane = static_cast<std::size_t>(nodes(0) * nodes(1));
+  Real* const low = values.data();
+  Real* const high = values.data() + values.size() - plane;
+  std::vector<Real> below(plane, Real{ 0 }); // stays 0 beyond the box
+  std::vector<Real> above(plane, Real{ 0 });
+  parts.up(high, below.data(), plane);
+  parts.down(low, above.data(), plane);
+  for (std::size_t i = 0; i < plane; ++i)
   {
-    const std::int64_t stride = a == 0 ? 1 : a == 1 ? nodes(0) : nodes(0) * nodes(1);
-    const int b = a == 0 ? 1 : 0;
-    const int c = a == 2 ? 1 : 2;
-    const std::int64_t strideB = b == 0 ? 1 : nodes(0);
-    const std::int64_t strideC = c == 1 ? nodes(0) : nodes(0) * nodes(1);
-    const std::int64_t last = elements[static_cast<std::size_t>(a)] * stride;
-    if (!periodic[static_cast<std::size_t>(a)] && fixed != a)
-      continue;
-    for (std::int64_t k = 0; k < nodes(c); ++k)
-      for (std::int64_t j = 0; j < nodes(b); ++j)
-      {
-        Real& low = values[static_cast<std::size_t>(j * strideB + k * strideC)];
-        Real& high = values[static_cast<std::size_t>(j * strideB + k * strideC + last)];
-        low = high = fixed == a ? Real{ 0 } : low + high;
-      }
+    low[i] += below[i];
+    high[i] += above[i];
   }
 }
-template void ElementBox::close(std::span<float>) const;
-template void ElementBox::close(std::span<double>) const;
+
+template <class Real>
+void ElementBox::hold(std::span<Real> values) const
+{
+  if (fixed >= 0)
+    forOuter(
+      *this, fixed, values,
+      [lowest = fixed < 2 || first() == 0, highest = fixed < 2 || isLast()](Real& low, Real& high)
+      {
+        low = lowest ? Real{ 0 } : low;
+        high = highest ? Real{ 0 } : high;
+      });
+}
+template void ElementBox::addCopies(std::span<float>) const;
+template void ElementBox::addCopies(std::span<double>) const;
+template void ElementBox::hold(std::span<float>) const;
+template void ElementBox::hold(std::span<double>) const;
 
 ElementOperator::ElementOperator(const ElementBox& box, TensorRows tensors, int threads)
   : box_(box)
@@ -120,9 +157,13 @@ ElementOperator::ElementOperator(const ElementBox& box, TensorRows tensors, int 
 
 // f(y, z, tensors of the row, buffer)
 template <class Real, class F>
-void ElementOperator::forRows(F&& f) const
+void ElementOperator::forRows(const RowRange& rows, F&& f) const
 {
   const auto& e = box_.elements;
+  const std::int64_t high = rows[1][1];
+  // planes of few rows go together: what they share stays in the cache
+  const std::int64_t together = std::max<std::int64_t>(1, rowsTogether / e[1]);
+  const std::int64_t groups = (high - rows[1][0] + together - 1) / together;
 #pragma omp parallel num_threads(threads_) if (threads_ > 1)
   {
     Tensors tensors(e[0]);
@@ -130,12 +171,16 @@ void ElementOperator::forRows(F&& f) const
     for (std::int64_t colour = 0; colour < 2; ++colour)
     {
 #pragma omp for schedule(static)
-      for (std::int64_t half = 0; half < (e[2] + 1 - colour) / 2; ++half)
-        for (std::int64_t y = 0; y < e[1]; ++y)
-        {
-          tensors_(y, 2 * half + colour, tensors.rows);
-          f(y, 2 * half + colour, tensors, buffer.data());
-        }
+      for (std::int64_t half = 0; half < (groups + 1 - colour) / 2; ++half)
+      {
+        const std::int64_t from = rows[1][0] + together * (2 * half + colour);
+        for (std::int64_t z = from; z < std::min(from + together, high); ++z)
+          for (std::int64_t y = rows[0][0]; y < rows[0][1]; ++y)
+          {
+            tensors_(y, z, tensors.rows);
+            f(y, z, tensors, buffer.data());
+          }
+      }
     }
   }
 }
@@ -170,16 +215,14 @@ void ElementOperator::diagonal(std::span<float> out) const
         rows[k] = out.data() + box_.row(y + (k & 1), z + (k >> 1));
       elementKernels().diagonal(row, rows);
     });
-  ElementBox free = box_;
-  free.fixed = -1;
-  free.close(out);
+  box_.addCopies(out);
 }
 
-void ElementOperator::forFluxes(std::span<const double> u, const std::array<double, 3>& gradient,
-  const std::function<void(std::int64_t y, std::int64_t z, const double* const flux[3], double energy)>& f) const
+void ElementOperator::forFluxes(
+  std::span<const double> u, const std::array<double, 3>& gradient, const RowRange& rows, const FluxRow& f) const
 {
   const std::int64_t n = box_.elements[0];
-  forRows<double>(
+  forRows<double>(rows,
     [&](std::int64_t y, std::int64_t z, const Tensors& tensors, double* buffer)
     {
       double* const flux[3] = { buffer, buffer + n, buffer + 2 * n };
@@ -191,27 +234,27 @@ void ElementOperator::forFluxes(std::span<const double> u, const std::array<doub
 
 ElementMultigrid::ElementMultigrid(const ElementOperator& finest)
 {
-  addLevel(finest);
+  addLevel(finest, finest.box());
   for (int a = 0; a < 3; ++a)
     levels_[0]->width[static_cast<std::size_t>(a)].assign(
       static_cast<std::size_t>(finest.box().elements[static_cast<std::size_t>(a)]), 1.0F);
-  while (levels_.back()->op.box().nodes() > directNodes && coarsen())
+  while (levels_.back()->op.box().wholeNodes() > directNodes && coarsen())
   {
   }
   factorize();
 }
 
-void ElementMultigrid::addLevel(const ElementOperator& op)
+void ElementMultigrid::addLevel(const ElementOperator& op, const ElementBox& made)
 {
-  auto level = std::make_unique<Level>(op);
+  auto level = std::make_unique<Level>(op, made);
+  if (level->gathered())
+    level->madeOffset = op.box().row(0, made.first());
   const auto nodes = static_cast<std::size_t>(op.box().nodes());
   level->inverse.resize(nodes);
   op.diagonal(level->inverse);
   for (float& value : level->inverse)
     value = value > 0 ? 1 / value : 0.0F;
-  ElementBox held = op.box();
-  held.periodic = { false, false, false };
-  held.close(std::span<float>(level->inverse));
+  op.box().hold(std::span<float>(level->inverse));
   level->d.resize(nodes);
   level->t.resize(nodes);
   if (!levels_.empty())
@@ -248,27 +291,25 @@ void forNodeRows(const ElementBox& box, int threads, F&& f)
 
 void ElementMultigrid::findLargest(Level& level) const
 {
+  const ElementBox& box = level.op.box();
   const std::size_t n = level.d.size();
+  const std::size_t before = static_cast<std::size_t>(box.row(0, box.first())); // those of the ranks before
   for (std::size_t i = 0; i < n; ++i)
-    level.d[i] = level.inverse[i] > 0 ? scattered(i) : 0.0F;
+    level.d[i] = level.inverse[i] > 0 ? scattered(before + i) : 0.0F;
   double largest = 0;
   for (int step = 0; step < eigenvalueSteps; ++step)
   {
     // copies of a node differ in the first start: closed, they are one
     level.op.apply<float>(level.d, level.t);
-    double before = 0;
-    double after = 0;
+    const double from = box.dot(level.d, level.d, level.op.threads());
     for (std::size_t i = 0; i < n; ++i)
-    {
-      before += static_cast<double>(level.d[i]) * level.d[i];
       level.d[i] = level.inverse[i] * level.t[i];
-      after += static_cast<double>(level.d[i]) * level.d[i];
-    }
-    if (!(after > 0))
+    const double to = box.dot(level.d, level.d, level.op.threads());
+    if (!(to > 0))
       break;
     if (step > 0)
-      largest = std::max(largest, std::sqrt(after / before));
-    const auto unit = static_cast<float>(1 / std::sqrt(after));
+      largest = std::max(largest, std::sqrt(to / from));
+    const auto unit = static_cast<float>(1 / std::sqrt(to));
     for (float& value : level.d)
       value *= unit;
   }
@@ -292,19 +333,28 @@ bool ElementMultigrid::coarsen()
             strength[a] += tensors.rows[a][x];
       }
   }
+  from.parts.sum(strength);
   double strongest = 0;
   for (std::size_t a = 0; a < 3; ++a)
-    if (e[a] > 1)
+    if (from.whole(static_cast<int>(a)) > 1)
       strongest = std::max(strongest, strength[a]);
-  ElementBox to = from;
+  ElementBox made = from; // of this rank's part
   for (std::size_t a = 0; a < 3; ++a)
   {
-    fine.halved[a] = e[a] > 1 && strength[a] >= weakAxis * strongest;
+    fine.halved[a] = from.whole(static_cast<int>(a)) > 1 && strength[a] >= weakAxis * strongest;
     if (fine.halved[a])
-      to.elements[a] = (e[a] + 1) / 2;
+      made.elements[a] = (e[a] + 1) / 2;
   }
-  if (to.elements == from.elements)
+  if (std::ranges::none_of(fine.halved, std::identity{}))
     return false;
+  if (fine.halved[2])
+    made.parts = from.parts.halved((from.whole(2) + 1) / 2);
+  ElementBox to = made;
+  if (made.parts.split() && (made.wholeNodes() <= PlaneParts::fewNodes || !made.parts.beginEven()))
+  {
+    to.elements[2] = made.whole(2);
+    to.parts = {};
+  }
 
   std::array<std::vector<float>, 3> width;
   std::array<std::vector<float>, 3> part; // of a fine element in its coarse one
@@ -336,7 +386,7 @@ bool ElementMultigrid::coarsen()
       fine.op.tensorRow(y, z, rows.rows);
       const std::int64_t cy = fine.halved[1] ? y / 2 : y;
       const std::int64_t cz = fine.halved[2] ? z / 2 : z;
-      const std::int64_t first = to.elements[0] * (cy + to.elements[1] * cz);
+      const std::int64_t first = to.elements[0] * (cy + to.elements[1] * (cz + made.first() - to.first()));
       for (std::size_t c = 0; c < 6; ++c)
         for (std::int64_t x = 0; x < e[0]; ++x)
         {
@@ -346,6 +396,15 @@ bool ElementMultigrid::coarsen()
             share[axes[c][0]] * share[axes[c][1]] * rows.rows[c][x];
         }
     }
+  if (made.parts.split() && !to.parts.split())
+  {
+    for (auto& values : tensor)
+      made.parts.gather(values, to.elements[2]);
+    std::vector<float> all(static_cast<std::size_t>(to.elements[2]));
+    std::ranges::copy(width[2], all.begin() + made.first());
+    made.parts.gather(all, to.elements[2]);
+    width[2] = std::move(all);
+  }
   // The level owns its tensors; the operator reads them there, and a level never moves.
   auto kept = std::make_shared<std::array<std::vector<float>, 6>>(std::move(tensor));
   const TensorRows read = [kept, nx = to.elements[0], ny = to.elements[1]](
@@ -354,7 +413,7 @@ bool ElementMultigrid::coarsen()
     for (std::size_t c = 0; c < 6; ++c)
       std::copy_n((*kept)[c].begin() + static_cast<std::ptrdiff_t>(nx * (y + ny * z)), nx, out[c]);
   };
-  addLevel(ElementOperator(to, read, fine.op.threads()));
+  addLevel(ElementOperator(to, read, fine.op.threads()), made);
   levels_.back()->width = std::move(width);
   levels_.back()->tensorBytes = 24 * static_cast<std::size_t>(to.count());
   return true;
@@ -460,7 +519,7 @@ void ElementMultigrid::smooth(Level& level, std::span<float> b, std::span<float>
 void ElementMultigrid::restrictTo(const Level& fine, std::span<float> b, Level& coarse) const
 {
   const ElementBox& f = fine.op.box();
-  const ElementBox& c = coarse.op.box();
+  const ElementBox& c = coarse.made;
   // by coarse node: the finer ones that take something of it
   std::array<std::vector<std::vector<std::pair<std::int64_t, float>>>, 3> from;
   for (int a = 0; a < 3; ++a)
@@ -488,7 +547,7 @@ void ElementMultigrid::restrictTo(const Level& fine, std::span<float> b, Level& 
           for (std::int64_t x = 0; x < f.nodes(0); ++x)
             sum[static_cast<std::size_t>(x)] += w * row[x];
         }
-      float* out = coarse.b.data() + c.row(cy, cz);
+      float* out = coarse.b.data() + coarse.madeOffset + c.row(cy, cz);
       for (std::int64_t x = 0; x < c.nodes(0); ++x)
       {
         out[x] = 0;
@@ -496,14 +555,17 @@ void ElementMultigrid::restrictTo(const Level& fine, std::span<float> b, Level& 
           out[x] += w * sum[static_cast<std::size_t>(i)];
       }
     });
-  c.close(std::span<float>(coarse.b));
+  c.close(std::span<float>(coarse.b).subspan(
+    static_cast<std::size_t>(coarse.madeOffset), static_cast<std::size_t>(c.nodes())));
+  if (coarse.gathered())
+    c.parts.gather(coarse.b, coarse.op.box().nodes(2));
 }
 
 // Adds the coarse correction, and takes its product off the residual b.
 void ElementMultigrid::addFrom(const Level& coarse, Level& fine, std::span<float> b, std::span<float> x) const
 {
   const ElementBox& f = fine.op.box();
-  const ElementBox& c = coarse.op.box();
+  const ElementBox& c = coarse.made;
   forNodeRows(f, fine.op.threads(),
     [&](std::int64_t y, std::int64_t z)
     {
@@ -516,7 +578,7 @@ void ElementMultigrid::addFrom(const Level& coarse, Level& fine, std::span<float
           const float w = (j == 0 ? sy.weight : 1 - sy.weight) * (k == 0 ? sz.weight : 1 - sz.weight);
           if (w == 0)
             continue;
-          const float* row = coarse.x.data() + c.row(sy.low + j, sz.low + k);
+          const float* row = coarse.x.data() + coarse.madeOffset + c.row(sy.low + j, sz.low + k);
 #pragma omp simd
           for (std::int64_t i = 0; i < c.nodes(0); ++i)
             sum[static_cast<std::size_t>(i)] += w * row[i];

@@ -5,6 +5,8 @@
 #include "lbm/DirectedLinks.h"
 #include "lbm/PlaneBalance.h"
 #include "lbm/elements/ElementMultigrid.h"
+#include "lbm/elements/ElementShare.h"
+#include "lbm/elements/VoxelTensors.h"
 
 #include <fmt/format.h>
 
@@ -13,6 +15,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace lamella::lbm
@@ -25,97 +28,46 @@ constexpr double safety = 3;          // on what the falls of the energy tell of
 constexpr double leastRate = 0.3;     // of these falls: one of them may be large by chance
 constexpr double tensorRounding = std::numeric_limits<float>::epsilon() / 2;
 constexpr double fluxRounding = std::numeric_limits<double>::epsilon(); // of the best conductor's, times the contrast
+constexpr double seenByCycle = 1e-3;                                    // of an error's energy, at the least
 constexpr int restarts = 5; // from a new residual, where directions in single precision have drifted
 // Means of the squares of 1, x, y, xy, z … on −1 to 1.
 constexpr std::array<double, 7> squares{ 1, 1.0 / 3, 1.0 / 3, 1.0 / 9, 1.0 / 3, 1.0 / 9, 1.0 / 9 };
 
-ElementBox boxOf(const Problem& problem)
+using Axes = std::vector<std::array<float, 3>>;
+
+/// Elements and their field: those that a rank works on, then the voxels of its block.
+struct Piece
 {
-  ElementBox box;
-  box.elements = problem.lattice.size;
-  box.periodic = problem.periodic();
-  box.fixed = problem.options.sides == Sides::Periodic ? -1 : problem.axis;
-  return box;
-}
+  std::array<std::int64_t, 3> start; ///< in the lattice, in the elements' axes
+  VoxelTensors tensors;
+  ElementOperator op;
+  std::vector<double> v; ///< what is left of the field, in drops of the linear profile over a voxel
 
-/// The tensors of a row of voxels, over the largest diffusivity, and of unlike edges by (δ_x / δ_a)(δ_x / δ_b).
-class VoxelTensors
-{
-public:
-  VoxelTensors(const Problem& problem, double scale)
-    : nx_(problem.lattice.size[0])
-    , ny_(problem.lattice.size[1])
-    , phase_(problem.phase)
+  Piece(const Problem& problem, double scale, const ElementShare& share, const Block& block, const ElementBox& box,
+    std::span<const std::uint8_t> phase, Axes&& axis)
+    : start(share.turned(block.start))
+    , tensors(problem, scale, share, block, phase, std::move(axis))
+    , op(
+        box, [this](std::int64_t y, std::int64_t z, float* const tensor[6]) { tensors.row(y, z, tensor); },
+        std::max(1, problem.options.threads))
   {
-    const DirectedDiffusivity* const directed = problem.options.directed.get();
-    for (std::size_t id = 0; id < problem.diffusivity.size(); ++id)
-    {
-      along_.push_back(static_cast<float>((directed ? directed->along[id] : problem.diffusivity[id]) / scale));
-      across_.push_back(static_cast<float>((directed ? directed->across[id] : problem.diffusivity[id]) / scale));
-    }
-    const std::array<double, 3>& aspect = problem.lattice.aspect;
-    for (std::size_t c = 0; c < 6; ++c)
-      factor_[c] = static_cast<float>(aspect[0] * aspect[0] / (aspect[axes[c][0]] * aspect[axes[c][1]]));
-    if (along_ == across_)
-      return;
-    const bool volume = problem.lattice.dimension == 3;
-    axis_.resize(phase_.size());
-    std::int64_t lost = 0;
-    for (std::size_t i = 0; i < phase_.size(); ++i)
-    {
-      const std::array<float, 3>& a = directed->axis[i];
-      const double length = std::hypot(a[0], a[1], volume ? a[2] : 0.0);
-      const bool none = !(length > 0) || !std::isfinite(length);
-      lost += none && along_[phase_[i]] != across_[phase_[i]] ? 1 : 0;
-      if (!none)
-        for (std::size_t k = 0; k < 3; ++k)
-          axis_[i][k] = k == 2 && !volume ? 0.0F : static_cast<float>(a[k] / length);
-    }
-    if (lost > 0)
-      throw ParameterError(
-        fmt::format("{} nodes of phases that conduct differently along and across have no axis to go by", lost),
-        "give these nodes an axis, or the phase one value");
   }
+  Piece(const Piece&) = delete;
+  Piece& operator=(const Piece&) = delete;
 
-  void row(std::int64_t y, std::int64_t z, float* const tensor[6]) const
+  /// f(place of the voxel in the lattice's order, its position) of rows of elements
+  template <class F>
+  void forVoxels(const ElementOperator::RowRange& rows, F&& f) const
   {
-    const auto first = static_cast<std::size_t>(nx_ * (y + ny_ * z));
-    for (std::size_t x = 0; x < static_cast<std::size_t>(nx_); ++x)
-    {
-      const float across = across_[phase_[first + x]];
-      for (std::size_t c = 0; c < 6; ++c)
-        tensor[c][x] = c < 3 ? factor_[c] * across : 0.0F;
-    }
-    if (axis_.empty())
-      return;
-    for (std::size_t x = 0; x < static_cast<std::size_t>(nx_); ++x)
-    {
-      const std::uint8_t id = phase_[first + x];
-      const float more = along_[id] - across_[id];
-      const std::array<float, 3>& a = axis_[first + x];
-      for (std::size_t c = 0; c < 6; ++c)
-        tensor[c][x] += factor_[c] * more * a[axes[c][0]] * a[axes[c][1]];
-    }
+    for (std::int64_t z = rows[1][0]; z < rows[1][1]; ++z)
+      for (std::int64_t y = rows[0][0]; y < rows[0][1]; ++y)
+        for (std::int64_t x = 0; x < op.box().elements[0]; ++x)
+          f(tensors.first(y, z) + static_cast<std::size_t>(x), std::array<std::int64_t, 3>{ x, y, z });
   }
-  /// Of length 1; 0: the voxel conducts the same in every direction.
-  [[nodiscard]] std::array<float, 3> axis(std::size_t node) const
+  [[nodiscard]] ElementOperator::RowRange all() const
   {
-    return axis_.empty() || along_[phase_[node]] == across_[phase_[node]] ? std::array<float, 3>{} : axis_[node];
+    return { { { 0, op.box().elements[1] }, { 0, op.box().elements[2] } } };
   }
-  [[nodiscard]] bool conducts(std::size_t node) const { return along_[phase_[node]] > 0 || across_[phase_[node]] > 0; }
-  [[nodiscard]] std::size_t bytes() const noexcept { return axis_.size() * sizeof(axis_[0]); }
-
-private:
-  static constexpr std::array<std::array<std::size_t, 2>, 6> axes{ { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 },
-    { 1, 2 } } };
-
-  std::int64_t nx_;
-  std::int64_t ny_;
-  std::span<const std::uint8_t> phase_;
-  std::vector<float> along_;
-  std::vector<float> across_;
-  std::array<float, 6> factor_{};
-  std::vector<std::array<float, 3>> axis_; ///< of length 1 or 0; none where no phase has two values
 };
 
 class ElementSystem final : public Backend
@@ -124,17 +76,16 @@ public:
   explicit ElementSystem(const Problem& problem)
     : problem_(problem)
     , scale_(std::ranges::max(problem.diffusivity))
-    , tensors_(problem, scale_)
-    , op_(
-        boxOf(problem), [this](std::int64_t y, std::int64_t z, float* const tensor[6]) { tensors_.row(y, z, tensor); },
-        std::max(1, problem.options.threads))
-    , multigrid_(op_)
-    , v_(static_cast<std::size_t>(op_.box().nodes()), 0.0)
+    , share_(problem_)
+    , axis_(share_.order()[static_cast<std::size_t>(problem.axis)])
+    , phase_(share_.moves() ? share_.toSlab(problem.phase) : std::vector<std::uint8_t>{})
+    , piece_(std::make_unique<Piece>(
+        problem_, scale_, share_, share_.slab(), share_.box(), share_.moves() ? phase_ : problem.phase, slabAxes()))
+    , multigrid_(std::make_unique<ElementMultigrid>(piece_->op))
   {
-    gradient_[static_cast<std::size_t>(problem.axis)] = -1;
+    piece_->v.assign(static_cast<std::size_t>(share_.box().nodes()), 0.0);
+    gradient_[static_cast<std::size_t>(axis_)] = -1;
   }
-  ElementSystem(const ElementSystem&) = delete;
-  ElementSystem& operator=(const ElementSystem&) = delete;
 
   SteadyResult solve() override
   {
@@ -143,11 +94,15 @@ public:
     SteadyResult result;
     result.method = Method::Multigrid;
     result.nodes = problem_.lattice.count();
-    for (std::size_t i = 0; i < problem_.phase.size(); ++i)
-      result.stored += tensors_.conducts(i) ? 1 : 0;
+    const ElementOperator& op = piece_->op;
+    std::vector<double>& v = piece_->v;
+    for (const std::uint8_t id : problem_.phase)
+      result.stored += problem_.diffusivity[id] > 0 ? 1 : 0;
+    result.stored = problem_.comm.sum(result.stored);
     result.skipped = result.nodes - result.stored;
-    const std::size_t n = v_.size();
-    result.bytes = multigrid_.bytes() + tensors_.bytes() + problem_.phase.size() + n * (16 + 16);
+    const std::size_t n = v.size();
+    result.bytes = static_cast<std::uint64_t>(problem_.comm.sum(static_cast<std::int64_t>(
+      multigrid_->bytes() + piece_->tensors.bytes() + problem_.phase.size() + phase_.size() + n * (16 + 16))));
     double target = std::min(options.tolerance, options.fieldTolerance * options.fieldTolerance);
     if (periodic) // the rest of a periodic cell's column errs like the field
       target = std::min(target, options.tolerance * options.tolerance);
@@ -164,7 +119,7 @@ public:
     double load = 0;                       // norm of the residual of the linear profile
     for (int start = 0;; ++start)
     {
-      op_.apply<double>(v_, r, gradient_);
+      op.apply<double>(v, r, gradient_);
       for (double& value : r)
         value = -value;
       if (start == 0)
@@ -184,7 +139,7 @@ public:
         }
         for (std::size_t i = 0; i < n; ++i)
           b[i] = static_cast<float>(r[i] / norm); // far from the least float
-        multigrid_.cycle(b, z);
+        multigrid_->cycle(b, z);
         if (periodic)
           takeOffMean(z);
         const double now = norm * dot(r, z); // of the residual and what a cycle makes of it
@@ -193,18 +148,23 @@ public:
           result.solverError = std::max(result.solverError, now / energy);
           break;
         }
+        if (!first && now <= seenByCycle * leastTarget * energy) // exact at once: what falls on is round-off
+        {
+          result.solverError = leastTarget;
+          break;
+        }
         const double share = first ? 0.0 : now / before;
         before = now;
         for (std::size_t i = 0; i < n; ++i)
           p[i] = static_cast<float>(norm * static_cast<double>(z[i]) + share * static_cast<double>(p[i]));
-        op_.apply<float>(p, q);
+        op.apply<float>(p, q);
         const double along = dot(p, q);
         if (!(along > 0) || !std::isfinite(along))
           fail(result);
         const double step = now / along;
         for (std::size_t i = 0; i < n; ++i)
         {
-          v_[i] += step * static_cast<double>(p[i]);
+          v[i] += step * static_cast<double>(p[i]);
           r[i] -= step * static_cast<double>(q[i]);
         }
         ++result.iterations;
@@ -229,85 +189,62 @@ public:
     }
     balance();
     result.solverError = std::max(result.solverError, tensorRounding + fluxRounding * problem_.contrast());
-    op_.apply<double>(v_, r, gradient_);
+    op.apply<double>(v, r, gradient_);
     result.residual = load > 0 ? std::sqrt(dot(r, r)) / load : 0.0;
+    multigrid_.reset();
     setEffective(result, sums(), problem_.lattice, problem_.axis, scale_);
     return result;
   }
 
   void value(std::span<double> out, Layers layers) const override
   {
-    const ElementBox& box = op_.box();
-    const auto axis = static_cast<std::size_t>(problem_.axis);
-    const double length = static_cast<double>(box.elements[axis]);
-    const auto at = [&](const std::array<std::int64_t, 3>& p)
-    {
-      double sum = 0;
-      for (int k = 0; k < 4; ++k)
-      {
-        const auto corner = static_cast<std::size_t>(box.row(p[1] + (k & 1), p[2] + (k >> 1)) + p[0]);
-        sum += v_[corner] + v_[corner + 1];
-      }
-      return sum / 8 / length;
-    };
-    if (!mean_)
-    {
-      double sum = 0;
-      std::int64_t counted = 0;
-      if (problem_.options.sides == Sides::Periodic)
-        forVoxels(
-          [&](std::size_t i, const std::array<std::int64_t, 3>& p)
-          {
-            if (!tensors_.conducts(i))
-              return;
-            sum += at(p);
-            ++counted;
-          });
-      mean_ = counted > 0 ? sum / static_cast<double>(counted) : 0.0;
-    }
-    const std::int64_t before = box.elements[0] * box.elements[1] * layers.first;
-    forVoxels(
+    takeField();
+    const std::size_t before = placesBefore(layers);
+    const double length = static_cast<double>(share_.box().whole(axis_));
+    piece_->forVoxels(rowsOf(layers),
       [&](std::size_t i, const std::array<std::int64_t, 3>& p)
       {
-        const auto voxel = static_cast<std::size_t>(before) + i;
-        out[i] = tensors_.conducts(voxel) ? at(p) + 1 - *mean_ - (static_cast<double>(p[axis]) + 0.5) / length
-                                          : std::numeric_limits<double>::quiet_NaN();
-      },
-      layers);
+        const auto axis = static_cast<std::size_t>(axis_);
+        const double place = static_cast<double>(piece_->start[axis] + p[axis]) + 0.5;
+        out[i - before] = piece_->tensors.conducts(i) ? centre(p) + 1 - *mean_ - place / length
+                                                      : std::numeric_limits<double>::quiet_NaN();
+      });
   }
 
   void flux(std::span<double> out, Layers layers) const override
   {
+    takeField();
+    const std::size_t before = placesBefore(layers);
     const std::array<double, 3>& aspect = problem_.lattice.aspect;
-    const double length = static_cast<double>(problem_.lattice.size[static_cast<std::size_t>(problem_.axis)]);
+    const double length = static_cast<double>(share_.box().whole(axis_));
     const double unit = scale_ / length / problem_.lattice.spacingAlong(0);
-    const std::int64_t nx = op_.box().elements[0];
-    op_.forFluxes(v_, gradient_,
+    piece_->op.forFluxes(piece_->v, gradient_, rowsOf(layers),
       [&](std::int64_t y, std::int64_t z, const double* const q[3], double)
       {
-        if (z < layers.first || z >= layers.last)
-          return;
-        double* row = out.data() + 3 * nx * (y + op_.box().elements[1] * (z - layers.first));
-        for (std::int64_t x = 0; x < nx; ++x)
+        double* row = out.data() + 3 * (piece_->tensors.first(y, z) - before);
+        for (std::int64_t x = 0; x < piece_->op.box().elements[0]; ++x)
           for (std::size_t a = 0; a < 3; ++a)
-            row[3 * x + static_cast<std::int64_t>(a)] =
-              a == 2 && problem_.lattice.dimension == 2 ? 0.0 : 0.0 - unit * aspect[a] / aspect[0] * q[a][x];
+            row[3 * x + static_cast<std::int64_t>(a)] = a == 2 && problem_.lattice.dimension == 2
+              ? 0.0
+              : 0.0 - unit * aspect[a] / aspect[0] * q[share_.order()[a]][x];
       });
   }
 
   [[nodiscard]] FieldEnergies energies() const override
   {
-    const ElementBox& box = op_.box();
-    const std::array<double, 3>& aspect = problem_.lattice.aspect;
+    takeField();
+    const Piece& piece = *piece_;
+    const ElementBox& box = piece.op.box();
+    const std::array<double, 3> aspect = share_.turned(problem_.lattice.aspect);
     FieldEnergies energies;
     energies.along.assign(problem_.diffusivity.size(), 0.0);
     energies.across.assign(problem_.diffusivity.size(), 0.0);
-    forVoxels(
+    piece.forVoxels(piece.all(),
       [&](std::size_t i, const std::array<std::int64_t, 3>& p)
       {
         std::array<double, 8> m{};
         for (std::size_t k = 0; k < 8; ++k)
-          m[k] = v_[static_cast<std::size_t>(
+          m[k] = piece.v[static_cast<std::size_t>(
             box.row(p[1] + static_cast<std::int64_t>(k >> 1 & 1), p[2] + static_cast<std::int64_t>(k >> 2)) + p[0] +
             static_cast<std::int64_t>(k & 1))];
         // corners to factors of 1, x, y, xy, z … on −1 to 1, times 8; such products are orthogonal
@@ -321,7 +258,7 @@ public:
             }
         double all = 0; // means over the voxel
         double along = 0;
-        const std::array<float, 3> a = tensors_.axis(i);
+        const std::array<float, 3> a = piece.tensors.axis(i);
         for (std::size_t k = 0; k < 7; ++k)
         {
           double own = 0;
@@ -337,9 +274,11 @@ public:
           all += squares[k] * own;
           along += squares[k] * projected * projected;
         }
-        energies.along[problem_.phase[i]] += along;
-        energies.across[problem_.phase[i]] += all - along;
+        energies.along[piece.tensors.phase(i)] += along;
+        energies.across[piece.tensors.phase(i)] += all - along;
       });
+    problem_.comm.sum(energies.along);
+    problem_.comm.sum(energies.across);
     return energies;
   }
 
@@ -351,60 +290,94 @@ private:
       "allow more iterations, or a larger tolerance");
   }
 
-  template <class F>
-  void forVoxels(F&& f) const
+  // Of this rank's elements, as the lattice has them, or none.
+  [[nodiscard]] Axes slabAxes() const
   {
-    forVoxels(f, { 0, op_.box().elements[2] });
-  }
-  // f(place among those of the layers, position)
-  template <class F>
-  void forVoxels(F&& f, Layers layers) const
-  {
-    const auto& e = op_.box().elements;
-    std::size_t i = 0;
-    for (std::int64_t z = layers.first; z < layers.last; ++z)
-      for (std::int64_t y = 0; y < e[1]; ++y)
-        for (std::int64_t x = 0; x < e[0]; ++x)
-          f(i++, std::array<std::int64_t, 3>{ x, y, z });
+    if (!hasDirections(problem_))
+      return {};
+    const Axes& given = problem_.options.directed->axis;
+    return share_.moves() ? share_.toSlab(std::span<const std::array<float, 3>>(given)) : given;
   }
 
-  // Over the nodes, of two copies one; rows are summed in parts that no number of threads changes.
+  // Once solved: from this rank's elements to its block, and the mean of a periodic cell. Collective.
+  void takeField() const
+  {
+    if (mean_)
+      return;
+    if (share_.moves())
+    {
+      std::vector<double> v = share_.toBlock(piece_->v);
+      piece_.reset();
+      const Block& block = problem_.parts.block();
+      ElementBox box;
+      box.elements = share_.turned(block.size);
+      piece_ = std::make_unique<Piece>(problem_, scale_, share_, block, box, problem_.phase,
+        hasDirections(problem_) ? Axes(problem_.options.directed->axis) : Axes{});
+      piece_->v = std::move(v);
+      phase_ = {};
+    }
+    mean_ = 0;
+    if (problem_.options.sides != Sides::Periodic)
+      return;
+    std::array<double, 2> sums{ 0, 0 };
+    piece_->forVoxels(piece_->all(),
+      [&](std::size_t i, const std::array<std::int64_t, 3>& p)
+      {
+        if (!piece_->tensors.conducts(i))
+          return;
+        sums[0] += centre(p);
+        sums[1] += 1;
+      });
+    problem_.comm.sum(sums);
+    mean_ = sums[1] > 0 ? sums[0] / sums[1] : 0.0;
+  }
+
+  // What is left of the field in the middle of a voxel of piece_, in drops over the box.
+  [[nodiscard]] double centre(const std::array<std::int64_t, 3>& p) const
+  {
+    double sum = 0;
+    for (int k = 0; k < 4; ++k)
+    {
+      const auto corner = static_cast<std::size_t>(piece_->op.box().row(p[1] + (k & 1), p[2] + (k >> 1)) + p[0]);
+      sum += piece_->v[corner] + piece_->v[corner + 1];
+    }
+    return sum / 8 / static_cast<double>(share_.box().whole(axis_));
+  }
+
+  // Of layers of this rank's block: the rows of elements, and the voxels before.
+  [[nodiscard]] ElementOperator::RowRange rowsOf(Layers layers) const
+  {
+    ElementOperator::RowRange rows = piece_->all();
+    rows[static_cast<std::size_t>(share_.order()[2] - 1)] = { layers.first, layers.last };
+    return rows;
+  }
+  [[nodiscard]] std::size_t placesBefore(Layers layers) const
+  {
+    const auto& size = problem_.parts.block().size;
+    return static_cast<std::size_t>(size[0] * size[1] * layers.first);
+  }
+
   template <class A, class B>
   [[nodiscard]] double dot(const std::vector<A>& a, const std::vector<B>& b) const
   {
-    const ElementBox& box = op_.box();
-    std::vector<double> parts(static_cast<std::size_t>(box.owned(2)), 0.0);
-    const int threads = op_.threads();
-#pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
-    for (std::int64_t z = 0; z < box.owned(2); ++z)
-      for (std::int64_t y = 0; y < box.owned(1); ++y)
-      {
-        const A* p = a.data() + box.row(y, z);
-        const B* q = b.data() + box.row(y, z);
-        double sum = 0;
-#pragma omp simd reduction(+ : sum)
-        for (std::int64_t x = 0; x < box.owned(0); ++x)
-          sum += static_cast<double>(p[x]) * static_cast<double>(q[x]);
-        parts[static_cast<std::size_t>(z)] += sum;
-      }
-    double total = 0;
-    for (const double part : parts)
-      total += part;
-    return total;
+    return piece_->op.box().dot(a, b, piece_->op.threads());
   }
 
   // A constant is free in a periodic cell, and round-off would let it grow.
   void takeOffMean(std::vector<float>& z) const
   {
-    double sum = 0;
-    std::int64_t count = 0;
-    for (const float value : z)
-      if (value != 0)
-      {
-        sum += static_cast<double>(value);
-        ++count;
-      }
-    const auto mean = static_cast<float>(count > 0 ? sum / static_cast<double>(count) : 0.0);
+    const ElementBox& box = piece_->op.box();
+    std::array<double, 2> sums{ 0, 0 };
+    for (std::int64_t k = 0; k < box.owned(2); ++k)
+      for (std::int64_t j = 0; j < box.owned(1); ++j)
+        for (std::int64_t i = 0; i < box.owned(0); ++i)
+          if (const float value = z[static_cast<std::size_t>(box.row(j, k) + i)]; value != 0)
+          {
+            sums[0] += static_cast<double>(value);
+            sums[1] += 1;
+          }
+    box.parts.sum(sums);
+    const auto mean = static_cast<float>(sums[1] > 0 ? sums[0] / sums[1] : 0.0);
     for (float& value : z)
       if (value != 0)
         value -= mean;
@@ -418,9 +391,9 @@ private:
   };
   [[nodiscard]] Sums sumsAndPlanes() const
   {
-    const ElementBox& box = op_.box();
-    const auto axis = static_cast<std::size_t>(problem_.axis);
-    const std::int64_t layers = box.elements[axis];
+    const ElementBox& box = piece_->op.box();
+    const auto axis = static_cast<std::size_t>(axis_);
+    const std::int64_t layers = box.whole(axis_);
     struct Part
     {
       double energy = 0;
@@ -433,7 +406,7 @@ private:
       part.layer.assign(static_cast<std::size_t>(layers), 0.0);
       part.conductance = part.layer;
     }
-    op_.forFluxes(v_, gradient_,
+    piece_->op.forFluxes(piece_->v, gradient_,
       [&](std::int64_t y, std::int64_t z, const double* const q[3], double energy)
       {
         Part& part = parts[static_cast<std::size_t>(z)];
@@ -442,12 +415,12 @@ private:
         float* rows[6];
         for (std::size_t c = 0; c < 6; ++c)
           rows[c] = tensor.data() + static_cast<std::ptrdiff_t>(c) * box.elements[0];
-        tensors_.row(y, z, rows);
+        piece_->tensors.row(y, z, rows);
         for (std::int64_t x = 0; x < box.elements[0]; ++x)
         {
           for (std::size_t a = 0; a < 3; ++a)
             part.flux[a] -= q[a][x];
-          const auto layer = static_cast<std::size_t>(axis == 0 ? x : axis == 1 ? y : z);
+          const auto layer = static_cast<std::size_t>(axis == 0 ? x : axis == 1 ? y : box.first() + z);
           part.layer[layer] -= q[axis][x];
           part.conductance[layer] += static_cast<double>(rows[axis][x]);
         }
@@ -459,7 +432,7 @@ private:
     {
       s.all.energy += unit * unit * part.energy;
       for (std::size_t a = 0; a < 3; ++a)
-        s.all.flux[a] += unit * part.flux[a];
+        s.all.flux[a] += unit * part.flux[static_cast<std::size_t>(share_.order()[a])];
       for (std::int64_t l = 0; l < layers; ++l)
       {
         const auto plane = static_cast<std::size_t>(periodic ? (l + 1) % layers : l);
@@ -467,14 +440,15 @@ private:
         s.planes.conductance[plane] += part.conductance[static_cast<std::size_t>(l)];
       }
     }
+    box.parts.sum(std::span<double>(&s.all.energy, 1));
+    box.parts.sum(s.all.flux);
+    box.parts.sum(s.planes.flux);
+    box.parts.sum(s.planes.conductance);
     s.all.inlet = s.planes.flux.front();
     s.all.outlet = periodic ? s.planes.flux[static_cast<std::size_t>(layers / 2)] : s.planes.flux.back();
     return s;
   }
-  [[nodiscard]] FieldSums sums() const
-  {
-    return sumsAndPlanes().all;
-  }
+  [[nodiscard]] FieldSums sums() const { return sumsAndPlanes().all; }
 
   // v is what is left of u n, without the linear profile.
   void balance()
@@ -484,14 +458,14 @@ private:
     if (!std::ranges::all_of(s.planes.conductance, [](double c) { return c > 0; }))
       return;
     const PlaneBalance best(s.planes, s.all.energy, periodic, true);
-    const ElementBox& box = op_.box();
-    const auto axis = static_cast<std::size_t>(problem_.axis);
-    const double n = static_cast<double>(box.elements[axis]);
+    const ElementBox& box = piece_->op.box();
+    const std::int64_t layers = box.whole(axis_);
+    const double n = static_cast<double>(layers);
     const auto shift = [&](std::int64_t plane)
     {
       if (periodic)
-        return n * best.shift[static_cast<std::size_t>(plane % box.elements[axis])];
-      return plane == 0 || plane == box.elements[axis]
+        return n * best.shift[static_cast<std::size_t>(plane % layers)];
+      return plane == 0 || plane == layers
         ? 0.0
         : n * best.shift[static_cast<std::size_t>(plane - 1)] + (best.factor - 1) * (n - static_cast<double>(plane));
     };
@@ -499,30 +473,29 @@ private:
       for (std::int64_t y = 0; y < box.nodes(1); ++y)
         for (std::int64_t x = 0; x < box.nodes(0); ++x)
         {
-          double& value = v_[static_cast<std::size_t>(box.row(y, z) + x)];
-          value = best.factor * value + shift(axis == 0 ? x : axis == 1 ? y : z);
+          double& value = piece_->v[static_cast<std::size_t>(box.row(y, z) + x)];
+          value = best.factor * value + shift(axis_ == 0 ? x : axis_ == 1 ? y : box.first() + z);
         }
     PlaneBalance::requireGain(s.all.energy, sums().energy);
   }
 
   Problem problem_;
   double scale_;
-  VoxelTensors tensors_;
-  ElementOperator op_;
-  ElementMultigrid multigrid_;
-  std::vector<double> v_;              ///< what is left of the field, in drops of the linear profile over a voxel
-  mutable std::optional<double> mean_; ///< of the field in a periodic cell, once it was asked for
+  ElementShare share_;
+  int axis_;                                    ///< that is solved along, of the elements
+  mutable std::vector<std::uint8_t> phase_;     ///< of the elements, where they are not those of this rank's block
+  mutable std::unique_ptr<Piece> piece_;        ///< this rank's elements; once the field was asked for, its block
+  std::unique_ptr<ElementMultigrid> multigrid_; ///< until solved
+  mutable std::optional<double> mean_;          ///< of the field in a periodic cell, once the field was asked for
   std::array<double, 3> gradient_{ 0, 0, 0 };
 };
 
 void requireTensors(const Problem& problem)
 {
-  if (problem.comm.parallel())
-    throw ParameterError(fmt::format("elements on {} ranks", problem.comm.size()), "start one process, with threads");
   const DirectedDiffusivity* const d = problem.options.directed.get();
   if (d == nullptr)
     return;
-  if (d->axis.size() != problem.phase.size())
+  if (problem.comm.any(d->axis.size() != problem.phase.size()))
     throw ParameterError(
       fmt::format("{} axes were given for {} nodes", d->axis.size(), problem.phase.size()), "give one for every node");
   if (d->along.size() != problem.diffusivity.size() || d->across.size() != problem.diffusivity.size())
@@ -534,6 +507,18 @@ void requireTensors(const Problem& problem)
       if (!std::isfinite(value) || value < 0)
         throw ParameterError(
           fmt::format("a conductivity of phase {} is {}", id, value), "give finite values of at least 0");
+  std::int64_t lost = 0;
+  for (std::size_t i = 0; i < problem.phase.size(); ++i)
+  {
+    const std::array<float, 3>& a = d->axis[i];
+    const double length = std::hypot(a[0], a[1], problem.lattice.dimension == 3 ? a[2] : 0.0);
+    lost += d->along[problem.phase[i]] != d->across[problem.phase[i]] && !(length > 0 && std::isfinite(length)) ? 1 : 0;
+  }
+  lost = problem.comm.sum(lost);
+  if (lost > 0)
+    throw ParameterError(
+      fmt::format("{} nodes of phases that conduct differently along and across have no axis to go by", lost),
+      "give these nodes an axis, or the phase one value");
 }
 
 } // namespace

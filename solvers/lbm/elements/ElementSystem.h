@@ -20,9 +20,12 @@ namespace lamella::lbm
 /// precision: the error told is at least 6e-8. Voxels conduct to those
 /// that they share an edge or a corner with; a path across the box must lead over their faces.
 ///
-/// Memory: 52 bytes a voxel, 24 more with axes; pictures have two layers of nodes. One rank.
+/// Ranks share the elements out (ElementShare), and the levels of the multigrid with them: the iterations are those of
+/// one rank. The field goes to the ranks' blocks when it is first asked for.
 ///
-/// @throws NoPathError; ParameterError: several ranks, tensors that do not fit, a directed phase's node without an axis
+/// Memory: 52 bytes a voxel, 24 more with axes; pictures have two layers of nodes.
+///
+/// @throws NoPathError; ParameterError: tensors that do not fit, a directed phase's node without an axis
 [[nodiscard]] std::unique_ptr<Backend> makeElementSystem(const Problem& problem);
 
 /// Of its arrays.

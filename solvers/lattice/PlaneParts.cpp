@@ -1,9 +1,9 @@
-#include "elasticity/PlaneParts.h"
+#include "lattice/PlaneParts.h"
 
 #include <algorithm>
 #include <limits>
 
-namespace lamella::elasticity
+namespace lamella
 {
 namespace
 {
@@ -17,7 +17,7 @@ PlaneParts::PlaneParts(std::int64_t planes, bool periodic, const Communicator& c
   , periodic_(periodic)
 {
   const auto ranks = static_cast<std::int64_t>(comm.size());
-  if (ranks == 1)
+  if (!canSplit(planes, comm.size()))
     return;
   // Parts of whole blocks of planes, which may be halved as often as blocks may; from there on every rank works out all
   // of what is left, at most a quarter of the box at each halving, and smoothed twice as much.
@@ -83,8 +83,9 @@ void PlaneParts::gatherBytes(void* values, std::int64_t planes, std::size_t each
   std::vector<int> begins;
   for (std::size_t r = 0; r + 1 < begin_.size(); ++r)
   {
+    const std::int64_t end = r + 2 == begin_.size() ? planes : std::min(planes, begin_[r + 1]);
     begins.push_back(static_cast<int>(std::min(planes, begin_[r])));
-    counts.push_back(static_cast<int>(std::min(planes, begin_[r + 1])) - begins.back());
+    counts.push_back(static_cast<int>(end) - begins.back());
   }
   MPI_Datatype plane = MPI_DATATYPE_NULL;
   MPI_Type_contiguous(static_cast<int>(each), MPI_BYTE, &plane);
@@ -101,6 +102,12 @@ void PlaneParts::gather(std::span<double> values, std::int64_t planes) const
 void PlaneParts::gather(std::span<float> values, std::int64_t planes) const
 {
   gatherBytes(values.data(), planes, values.size_bytes() / static_cast<std::size_t>(planes));
+}
+
+void PlaneParts::sum(std::span<double> values) const
+{
+  if (split())
+    comm_.sum(values);
 }
 
 void PlaneParts::inOrder(std::span<std::byte> values, const std::function<void()>& add) const
@@ -120,4 +127,4 @@ void PlaneParts::inOrder(std::span<std::byte> values, const std::function<void()
   MPI_Bcast(values.data(), count, MPI_BYTE, ranks - 1, comm_.handle());
 }
 
-} // namespace lamella::elasticity
+} // namespace lamella

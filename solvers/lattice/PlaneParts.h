@@ -2,13 +2,14 @@
 
 #include "core/Communicator.h"
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <vector>
 
-namespace lamella::elasticity
+namespace lamella
 {
 
 /// The planes of nodes of a box, shared out over ranks: each has some that follow each other, the first of them even.
@@ -16,13 +17,26 @@ namespace lamella::elasticity
 class PlaneParts
 {
 public:
+  static constexpr std::int64_t fewNodes = 4096; ///< which every rank works out by itself
+
   PlaneParts() = default; ///< not split: every rank has all planes
-  /// Split where there are several ranks and planes enough for all of them.
+  /// Are there several ranks, and planes enough for all of them?
+  [[nodiscard]] static bool canSplit(std::int64_t planes, int ranks) noexcept
+  {
+    return ranks > 1 && (planes + 1) / 2 >= ranks;
+  }
+  /// Split where that can be.
   PlaneParts(std::int64_t planes, bool periodic, const Communicator& comm);
 
   [[nodiscard]] bool split() const noexcept { return begin_.size() > 1; }
   [[nodiscard]] std::int64_t first() const noexcept { return begin_[rank()]; }    ///< of a split box
   [[nodiscard]] std::int64_t last() const noexcept { return begin_[rank() + 1]; } ///< one behind
+  [[nodiscard]] std::int64_t planes() const noexcept { return begin_.back(); }    ///< of the whole split box
+  /// First and one behind the last of a rank, of a split box.
+  [[nodiscard]] std::array<std::int64_t, 2> of(int rank) const noexcept
+  {
+    return { begin_[static_cast<std::size_t>(rank)], begin_[static_cast<std::size_t>(rank) + 1] };
+  }
   [[nodiscard]] bool beginEven() const; ///< all parts do, the rest of a coarsening by two too
   /// Where each second plane is kept, each rank keeping those that it has.
   [[nodiscard]] PlaneParts halved(std::int64_t planes) const;
@@ -44,9 +58,11 @@ public:
   {
     shift(mine, theirs, count * sizeof(double), -1);
   }
-  /// Of values by plane, from the box's first plane on, of which each rank knows those of its own planes: all.
+  /// Of values by plane, from the box's first plane on, of which each rank knows those of its own planes: all. Planes
+  /// beyond those that were shared out are the last rank's.
   void gather(std::span<double> values, std::int64_t planes) const;
   void gather(std::span<float> values, std::int64_t planes) const;
+  void sum(std::span<double> values) const; ///< of all ranks, in place
   /// `add` on one rank after the other, each going on with the values of the one before; then all have the last one's.
   /// So sums do not depend on the number of ranks.
   void inOrder(std::span<std::byte> values, const std::function<void()>& add) const;
@@ -61,4 +77,4 @@ private:
   bool periodic_ = false;
 };
 
-} // namespace lamella::elasticity
+} // namespace lamella

@@ -1,0 +1,76 @@
+#include "lbm/elements/VoxelTensors.h"
+
+#include "lbm/DirectedLinks.h"
+
+#include <cmath>
+#include <utility>
+
+namespace lamella::lbm
+{
+namespace
+{
+
+constexpr std::array<std::array<std::size_t, 2>, 6> axes{ { { 0, 0 }, { 1, 1 }, { 2, 2 }, { 0, 1 }, { 0, 2 },
+  { 1, 2 } } };
+
+} // namespace
+
+bool hasDirections(const Problem& problem)
+{
+  const DirectedDiffusivity* const directed = problem.options.directed.get();
+  return directed != nullptr && directed->along != directed->across;
+}
+
+VoxelTensors::VoxelTensors(const Problem& problem, double scale, const ElementShare& share, const Block& block,
+  std::span<const std::uint8_t> phase, std::vector<std::array<float, 3>>&& axis)
+  : nx_(block.size[0])
+  , phase_(phase)
+  , axis_(std::move(axis))
+{
+  const std::array<std::int64_t, 3> strides = share.turned(std::array<std::int64_t, 3>{ 1, nx_, nx_ * block.size[1] });
+  strideY_ = strides[1];
+  strideZ_ = strides[2];
+  const DirectedDiffusivity* const directed = problem.options.directed.get();
+  for (std::size_t id = 0; id < problem.diffusivity.size(); ++id)
+  {
+    along_.push_back(static_cast<float>((directed ? directed->along[id] : problem.diffusivity[id]) / scale));
+    across_.push_back(static_cast<float>((directed ? directed->across[id] : problem.diffusivity[id]) / scale));
+  }
+  const std::array<double, 3> aspect = share.turned(problem.lattice.aspect);
+  for (std::size_t c = 0; c < 6; ++c)
+    factor_[c] = static_cast<float>(aspect[0] * aspect[0] / (aspect[axes[c][0]] * aspect[axes[c][1]]));
+  const bool volume = problem.lattice.dimension == 3;
+  for (std::array<float, 3>& a : axis_)
+  {
+    if (!volume)
+      a[2] = 0;
+    const double length = std::hypot(a[0], a[1], a[2]);
+    const bool none = !(length > 0) || !std::isfinite(length);
+    for (float& component : a)
+      component = none ? 0.0F : static_cast<float>(component / length);
+    a = share.turned(a);
+  }
+}
+
+void VoxelTensors::row(std::int64_t y, std::int64_t z, float* const tensor[6]) const
+{
+  const std::size_t begin = first(y, z);
+  for (std::size_t x = 0; x < static_cast<std::size_t>(nx_); ++x)
+  {
+    const float across = across_[phase_[begin + x]];
+    for (std::size_t c = 0; c < 6; ++c)
+      tensor[c][x] = c < 3 ? factor_[c] * across : 0.0F;
+  }
+  if (axis_.empty())
+    return;
+  for (std::size_t x = 0; x < static_cast<std::size_t>(nx_); ++x)
+  {
+    const std::uint8_t id = phase_[begin + x];
+    const float more = along_[id] - across_[id];
+    const std::array<float, 3>& a = axis_[begin + x];
+    for (std::size_t c = 0; c < 6; ++c)
+      tensor[c][x] += factor_[c] * more * a[axes[c][0]] * a[axes[c][1]];
+  }
+}
+
+} // namespace lamella::lbm
