@@ -224,8 +224,10 @@ public:
       reportProgress(options, problem_.comm, progressOf(result.solverError, target), "solving");
       if (result.solverError > target || slow > 0)
         continue;
-      const double rest = amplification * field_.roundOff() / sums.energy;
-      result.solverError = std::max(result.solverError, rest);
+      const double rest = amplification * field_.roundOff() / sums.energy; // comes on top
+      if (result.solverError + rest > target && rest < target)
+        continue;
+      result.solverError += rest;
       if (wantsDouble(result, target))
         return refined(result, target);
       break;
