@@ -97,8 +97,7 @@ protected:
       lamella::cli::forgetRanges(slab);
       vtkImageData::GetData(out)->ShallowCopy(slab);
       const auto& whole = this->TheVolume->extent();
-      this->TheSession->progress(
-        static_cast<double>(extent[5] - whole[4] + 1) / (whole[5] - whole[4] + 1), "writing");
+      this->TheSession->progress(static_cast<double>(extent[5] - whole[4] + 1) / (whole[5] - whole[4] + 1), "writing");
       return 1;
     }
     catch (...)
