@@ -1,9 +1,10 @@
 // Which nodes, and which pieces, are pieces of the next level, and the links between them.
+#include "core/Error.h"
 #include "lbm/lean/PieceBlocks.h"
-#include "lbm/multigrid/Multigrid.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace lamella::lbm
@@ -13,6 +14,10 @@ namespace
 
 // The same as strongPart for all links along an axis, where spacings differ.
 constexpr double strongAxis = 0.1;
+// A part goes with another one of its block that has more than this part of its links.
+constexpr double hangingPart = 0.5;
+// Links in series keep at least this part of the link between.
+constexpr double leastPieceLink = 0.125;
 // A level that is not smaller than this part of the one before ends the coarsening.
 constexpr double worthwhile = 0.8;
 constexpr std::size_t mostNodes = PieceMultigrid::mostEdge * PieceMultigrid::mostEdge * PieceMultigrid::mostEdge;
@@ -25,8 +30,8 @@ double half(float inside)
 
 double inSeries(double between, float insideHere, float insideThere)
 {
-  constexpr double least = static_cast<double>(leastBlockLink);
-  return between > 0 ? std::max(least * between, 1 / (half(insideHere) + 1 / between + half(insideThere))) : 0.0;
+  return between > 0 ? std::max(leastPieceLink * between, 1 / (half(insideHere) + 1 / between + half(insideThere)))
+                     : 0.0;
 }
 
 // A few sums by key, in the order in which keys come first.
@@ -50,6 +55,45 @@ struct Few
     key.push_back(k);
     sum.push_back(value);
   }
+};
+
+// What strong links have joined in a block, and the links that are left. A part that hangs on another one of the block
+// by most of its links goes where that goes, and need not be an unknown of its own: sweeps find the rest. Not where its
+// own links are stronger than those to others: sweeps do not move such a part as a whole.
+class Hanging
+{
+public:
+  void start(std::size_t parts)
+  {
+    if (to_.size() < parts)
+      to_.resize(parts);
+    for (std::size_t i = 0; i < parts; ++i)
+      to_[i].clear();
+    for (auto* sums : { &inside_, &outside_ })
+      sums->assign(parts, 0.0);
+  }
+  void inwards(std::size_t part, double link) { inside_[part] += link; }
+  void outwards(std::size_t part, double link) { outside_[part] += link; }
+  void between(std::size_t part, std::size_t other, double link)
+  {
+    outwards(part, link);
+    to_[part].add(static_cast<std::uint32_t>(other), link);
+  }
+  [[nodiscard]] double outside(std::size_t part) const { return outside_[part]; }
+  // The part that this one hangs on, or itself.
+  [[nodiscard]] std::size_t on(std::size_t part) const
+  {
+    const Few& few = to_[part];
+    for (std::size_t k = 0; k < few.key.size(); ++k)
+      if (few.sum[k] > hangingPart * outside_[part] && inside_[part] <= outside_[part])
+        return few.key[k];
+    return part;
+  }
+
+private:
+  std::vector<double> inside_; // links within a part, from either end
+  std::vector<double> outside_;
+  std::vector<Few> to_;
 };
 
 // Where spacings differ, links along an axis may be weak altogether.
@@ -93,6 +137,67 @@ std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i)
 }
 
 } // namespace
+
+// Joins the pieces of a block of nodes with those that they hang on.
+// @param id phase of each node, or -1  @param parent of each node towards the least one of its piece
+void PieceMultigrid::hangPieces(const LeanField& field, const std::array<std::int64_t, 3>& block,
+  std::span<const int> id, std::span<std::uint8_t> parent) const
+{
+  const Links& links = field.links();
+  const std::array<std::int64_t, 3> size = field.size();
+  const auto root = [&](std::size_t i)
+  {
+    while (parent[i] != i)
+      i = parent[i];
+    return i;
+  };
+  std::array<std::size_t, mostNodes> piece{};
+  for (std::size_t i = 0; i < id.size(); ++i)
+    piece[i] = root(i);
+  thread_local Hanging hanging;
+  hanging.start(id.size());
+  for (std::size_t i = 0; i < id.size(); ++i)
+  {
+    if (id[i] < 0)
+      continue;
+    const auto phase = static_cast<std::uint8_t>(id[i]);
+    const auto at = static_cast<std::int64_t>(i);
+    const std::array<std::int64_t, 3> inBlock{ at % edge_, at / edge_ % edge_, at / (edge_ * edge_) };
+    for (std::size_t a = 0; a < 3; ++a)
+      for (const int step : { -1, 1 })
+      {
+        std::array<std::int64_t, 3> p{ edge_ * block[0] + inBlock[0], edge_ * block[1] + inBlock[1],
+          edge_ * block[2] + inBlock[2] };
+        p[a] += step;
+        const int axis = static_cast<int>(a);
+        const std::int64_t global = lattice_->start[a] + p[a];
+        if ((global < 0 || global >= lattice_->size[a]) && !periodic_[a])
+        {
+          if (links.boundary(axis) == Boundary::Fixed)
+            hanging.outwards(piece[i], links.wall(phase, axis));
+          continue;
+        }
+        const bool within = inBlock[a] + step >= 0 && inBlock[a] + step < edge_ && p[a] < size[a];
+        if (!within && size[a] == lattice_->size[a])
+          p[a] = (p[a] + size[a]) % size[a]; // else a ghost row
+        const double link = links.factor(axis) * links.mean(phase, field.phaseRow(p[1], p[2])[p[0]]);
+        if (!within)
+          hanging.outwards(piece[i], link);
+        else if (const std::size_t other = piece[nodeOf(p, edge_)]; other == piece[i])
+          hanging.inwards(piece[i], link);
+        else if (link > 0)
+          hanging.between(piece[i], other, link);
+      }
+  }
+  for (std::size_t i = 0; i < id.size(); ++i)
+  {
+    if (id[i] < 0 || piece[i] != i)
+      continue;
+    const std::size_t here = root(i);
+    const std::size_t there = root(hanging.on(i));
+    parent[std::max(here, there)] = static_cast<std::uint8_t>(std::min(here, there));
+  }
+}
 
 // The pieces of every block of nodes.
 void PieceMultigrid::label(const LeanField& field, std::int64_t edge)
@@ -163,6 +268,9 @@ void PieceMultigrid::label(const LeanField& field, std::int64_t edge)
               }
           }
         }
+      if (!everyLink_)
+        hangPieces(
+          field, { bx, by, bz }, std::span<const int>(id).first(nodes), std::span<std::uint8_t>(parent).first(nodes));
       std::uint32_t pieces = 0;
       std::array<std::uint32_t, mostNodes> number{};
       for (std::size_t i = 0; i < nodes; ++i)
@@ -247,14 +355,17 @@ void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
             level.inverse[i] = total > 0 ? static_cast<float>(1 / total) : 0.0F;
           }
           else
-            level.row[i] = at; // a count, from 0
+            level.row[i] = static_cast<std::uint32_t>(at); // a count, from 0
         }
       });
     if (fill)
       break;
     std::size_t before = 0;
     for (auto& r : level.row)
-      r = std::exchange(before, before + r);
+      before += r;
+    if (lattice_->comm->any(before > std::numeric_limits<std::uint32_t>::max()))
+      throw MemoryError("pieces of a rank's part have more links than can be counted", "solve on more ranks");
+    startsFromCounts(level.row);
     level.other.assign(before, 0);
     level.link.assign(before, 0);
   }
@@ -283,35 +394,55 @@ void PieceMultigrid::linkFirst(const LeanField& field)
     const std::size_t block = blockIndex(blocks, blockOf(p));
     return numbered(labels_.data() + block * words, level.start[block], p);
   };
-  // what the links along an axis in a piece count for: those in a row are in series
-  std::vector<float> inside;
-  if (edge_ > 2)
-  {
-    inside.assign(3 * level.count(), 1.0F);
-    forBlocks(blocks,
-      [&](std::int64_t, std::int64_t, std::int64_t, std::size_t block)
+  // what conducts best in a piece: what hangs on it is not what a flux through it goes by
+  std::vector<float> best(level.count(), 0.0F);
+  // and what the links along an axis in it count for: those in a row are in series
+  std::vector<float> inside(edge_ > 2 ? 3 * level.count() : 0, 1.0F);
+  const auto counts = [&](std::uint32_t piece, double link)
+  { return link >= strongPart * static_cast<double>(best[piece]); };
+  forBlocks(
+    blocks,
+    [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t block)
+    {
+      const std::uint32_t begin = level.start[block];
+      // f(node's place in the box and in the block, its piece and phase)
+      const auto forNodes = [&](auto&& f)
       {
-        const std::uint32_t n = level.start[block + 1] - level.start[block];
-        for (std::uint32_t piece = 0; piece < n; ++piece)
+        for (std::int64_t k = 0; k < edge_ * edge_ * edge_; ++k)
         {
-          std::array<std::int64_t, 3> low{ 9, 9, 9 };
-          std::array<std::int64_t, 3> high{ -1, -1, -1 };
-          for (std::int64_t k = 0; k < edge_ * edge_ * edge_; ++k)
-            if (labelOf(labels_.data() + block * words, static_cast<std::size_t>(k), edge_) == piece)
-            {
-              const std::array<std::int64_t, 3> p{ k % edge_, k / edge_ % edge_, k / (edge_ * edge_) };
-              for (std::size_t a = 0; a < 3; ++a)
-              {
-                low[a] = std::min(low[a], p[a]);
-                high[a] = std::max(high[a], p[a]);
-              }
-            }
-          for (std::size_t a = 0; a < 3; ++a)
-            if (const auto length = static_cast<float>(high[a] - low[a]); length > 1)
-              inside[3 * (level.start[block] + piece) + a] = 1 / (length * length);
+          const std::array<std::int64_t, 3> in{ k % edge_, k / edge_ % edge_, k / (edge_ * edge_) };
+          const std::array<std::int64_t, 3> p{ edge_ * bx + in[0], edge_ * by + in[1], edge_ * bz + in[2] };
+          if (p[0] >= size[0] || p[1] >= size[1] || p[2] >= size[2])
+            continue;
+          const std::uint32_t piece = numbered(labels_.data() + block * words, begin, p);
+          if (piece != PieceLevel::none)
+            f(in, piece, field.phaseRow(p[1], p[2])[p[0]]);
         }
-      });
-  }
+      };
+      forNodes([&](const auto&, std::uint32_t piece, std::uint8_t id)
+        { best[piece] = std::max(best[piece], static_cast<float>(field.links().mean(id, id))); });
+      if (edge_ == 2)
+        return;
+      thread_local std::vector<std::array<std::int64_t, 3>> low;
+      thread_local std::vector<std::array<std::int64_t, 3>> high;
+      low.assign(level.start[block + 1] - begin, { edge_, edge_, edge_ });
+      high.assign(low.size(), { -1, -1, -1 });
+      forNodes(
+        [&](const auto& in, std::uint32_t piece, std::uint8_t id)
+        {
+          if (!counts(piece, field.links().mean(id, id)))
+            return;
+          for (std::size_t a = 0; a < 3; ++a)
+          {
+            low[piece - begin][a] = std::min(low[piece - begin][a], in[a]);
+            high[piece - begin][a] = std::max(high[piece - begin][a], in[a]);
+          }
+        });
+      for (std::uint32_t piece = begin; piece < level.start[block + 1]; ++piece)
+        for (std::size_t a = 0; a < 3; ++a)
+          if (const auto length = static_cast<float>(high[piece - begin][a] - low[piece - begin][a]); length > 1)
+            inside[3 * piece + a] = 1 / (length * length);
+    });
   link(level,
     [&](std::int64_t bx, std::int64_t by, std::int64_t bz, auto&& f)
     {
@@ -349,12 +480,15 @@ void PieceMultigrid::linkFirst(const LeanField& field)
             }
             else
               there = unknown(q);
-            if (there != PieceLevel::none)
-              f(here, there,
-                (here == there && edge_ > 2 ? inside[3 * here + a] : 1.0F) *
-                  static_cast<float>(field.links().factor(static_cast<int>(a)) *
-                    field.links().mean(id, field.phaseRow(q[1], q[2])[q[0]])),
-                a);
+            if (there == PieceLevel::none)
+              continue;
+            const double mean = field.links().mean(id, field.phaseRow(q[1], q[2])[q[0]]);
+            if (here == there && !counts(here, mean))
+              continue;
+            f(here, there,
+              (here == there && edge_ > 2 ? inside[3 * here + a] : 1.0F) *
+                static_cast<float>(field.links().factor(static_cast<int>(a)) * mean),
+              a);
           }
       }
     });
@@ -405,6 +539,7 @@ bool PieceMultigrid::coarsen(double strong)
   };
   // pieces, numbered within their block at first
   std::vector<std::uint32_t> place(n, 0); // of a child in its block
+  std::vector<std::uint8_t> hangs(n, 0);  // on others of its piece
   forBlocks(next.blocks,
     [&](std::int64_t bx, std::int64_t by, std::int64_t bz, std::size_t block)
     {
@@ -433,6 +568,45 @@ bool PieceMultigrid::coarsen(double strong)
           parent[std::max(a, b)] = std::min(a, b);
         }
       }
+      // those that hang on others
+      thread_local std::vector<std::uint32_t> part;
+      thread_local Hanging hanging;
+      part.resize(children.size());
+      hanging.start(children.size());
+      for (std::uint32_t k = 0; k < children.size(); ++k)
+        part[k] = rootOf(parent, k);
+      for (std::uint32_t k = 0; k < children.size(); ++k)
+      {
+        const std::uint32_t i = children[k];
+        hanging.outwards(part[k], static_cast<double>(fine.wall[i]));
+        for (std::size_t e = fine.row[i]; e < fine.row[i + 1]; ++e)
+        {
+          const std::uint32_t j = fine.other[e];
+          const double link = static_cast<double>(fine.linkAt(e));
+          if (!std::ranges::binary_search(children, j))
+            hanging.outwards(part[k], link);
+          else if (part[place[j]] == part[k])
+            hanging.inwards(part[k], link);
+          else
+            hanging.between(part[k], part[place[j]], link);
+        }
+      }
+      for (std::uint32_t k = 0; k < children.size(); ++k)
+        if (part[k] == k)
+        {
+          const std::uint32_t a = rootOf(parent, k);
+          const std::uint32_t b = rootOf(parent, static_cast<std::uint32_t>(hanging.on(k)));
+          parent[std::max(a, b)] = std::min(a, b);
+        }
+      // where the most links are, a flux through the piece goes by
+      thread_local std::vector<std::uint32_t> main;
+      main.resize(children.size());
+      std::iota(main.begin(), main.end(), 0U);
+      for (std::uint32_t k = 0; k < children.size(); ++k)
+        if (std::uint32_t& m = main[rootOf(parent, k)]; hanging.outside(part[k]) > hanging.outside(part[m]))
+          m = k;
+      for (std::uint32_t k = 0; k < children.size(); ++k)
+        hangs[children[k]] = part[k] != part[main[rootOf(parent, k)]] ? 1 : 0;
       std::uint32_t pieces = 0;
       for (std::uint32_t k = 0; k < children.size(); ++k)
       {
@@ -504,7 +678,10 @@ bool PieceMultigrid::coarsen(double strong)
             f(here, PieceLevel::none, fine.wall[i], std::size_t{ 0 });
           for (std::size_t e = fine.row[i]; e < fine.row[i + 1]; ++e)
             if (const std::uint32_t j = fine.other[e]; fine.coarse[j] != PieceLevel::none)
-              f(here, fine.coarse[j], fine.linkAt(e), axisTo(block, j));
+            {
+              const bool aside = here == fine.coarse[j] && (hangs[i] != 0 || hangs[j] != 0);
+              f(here, fine.coarse[j], fine.linkAt(e), aside ? 3 : axisTo(block, j));
+            }
         });
     });
   levels_.push_back(std::move(next));

@@ -106,14 +106,15 @@ PieceMove::PieceMove(const Communicator& comm, const std::vector<Block>& before,
     });
 }
 
-void PieceMove::moveRows(const Shares& from, const Shares& to, const std::size_t* rowFrom, const void* source,
-  const std::size_t* rowTo, void* target) const
+void PieceMove::moveRows(const Shares& from, const Shares& to, const std::uint32_t* rowFrom, const void* source,
+  const std::uint32_t* rowTo, void* target) const
 {
   const auto* in = static_cast<const std::byte*>(source);
   auto* out = static_cast<std::byte*>(target);
-  const auto begin = [](const std::size_t* row, std::uint32_t i) { return row == nullptr ? i : row[i]; };
-  const auto length = [](const std::size_t* row, std::uint32_t i)
-  { return row == nullptr ? std::size_t{ 1 } : row[i + 1] - row[i]; };
+  const auto begin = [](const std::uint32_t* row, std::uint32_t i)
+  { return std::size_t{ row == nullptr ? i : row[i] }; };
+  const auto length = [](const std::uint32_t* row, std::uint32_t i)
+  { return row == nullptr ? std::size_t{ 1 } : std::size_t{ row[i + 1] - row[i] }; };
   std::vector<int> toRanks;
   std::vector<int> fromRanks;
   std::vector<Words> send(from.size());

@@ -39,8 +39,8 @@ public:
   }
   /// Several values an unknown: those of i are the ones from row[i] to row[i + 1].
   template <class T>
-  void forwardRows(const std::vector<std::size_t>& rowBefore, const std::vector<T>& before,
-    const std::vector<std::size_t>& rowAfter, std::vector<T>& after) const
+  void forwardRows(const std::vector<std::uint32_t>& rowBefore, const std::vector<T>& before,
+    const std::vector<std::uint32_t>& rowAfter, std::vector<T>& after) const
   {
     static_assert(sizeof(T) == 4);
     moveRows(leaving_, arriving_, rowBefore.data(), before.data(), rowAfter.data(), after.data());
@@ -56,8 +56,8 @@ private:
   };
   using Shares = std::vector<Share>;
   void move(const Shares& from, const Shares& to, const void* source, void* target) const;
-  void moveRows(const Shares& from, const Shares& to, const std::size_t* rowFrom, const void* source,
-    const std::size_t* rowTo, void* target) const;
+  void moveRows(const Shares& from, const Shares& to, const std::uint32_t* rowFrom, const void* source,
+    const std::uint32_t* rowTo, void* target) const;
 
   const Communicator* comm_;
   std::vector<std::uint32_t> start_;

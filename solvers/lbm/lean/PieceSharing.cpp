@@ -78,11 +78,11 @@ bool PieceMultigrid::move()
   part.moved->forward(part.inverse, next.inverse);
   std::vector<std::uint32_t> lengths(part.count());
   for (std::size_t i = 0; i < lengths.size(); ++i)
-    lengths[i] = static_cast<std::uint32_t>(part.row[i + 1] - part.row[i]);
+    lengths[i] = part.row[i + 1] - part.row[i];
   std::vector<std::uint32_t> nextLengths(n);
   part.moved->forward(lengths, nextLengths);
   next.row.assign(n + 1, 0);
-  std::partial_sum(nextLengths.begin(), nextLengths.end(), next.row.begin() + 1, std::plus<std::size_t>());
+  std::partial_sum(nextLengths.begin(), nextLengths.end(), next.row.begin() + 1);
 
   // every rank knows an unknown by its block in the level and its place there
   std::vector<std::uint32_t> block(part.withGhosts());
@@ -199,7 +199,7 @@ void PieceMultigrid::gather()
   whole.inverse = placed(part.inverse);
   std::vector<std::uint32_t> lengths(part.count());
   for (std::size_t i = 0; i < lengths.size(); ++i)
-    lengths[i] = static_cast<std::uint32_t>(part.row[i + 1] - part.row[i]);
+    lengths[i] = part.row[i + 1] - part.row[i];
   std::vector<std::uint32_t> others(part.other.size());
   for (std::size_t e = 0; e < others.size(); ++e)
     others[e] = own_[part.other[e]];

@@ -18,8 +18,8 @@ constexpr std::int64_t coarsestCount = 1000;
 constexpr std::int64_t sharedCount = 3000;
 // The coarsest level, where it is too large for that, is relaxed that often.
 constexpr int coarsestSweeps = 30;
-// Where more than this part of the nodes would be pieces, as in noise, blocks are made of twice as many along each
-// axis.
+// Where some phases do not conduct, blocks are made of twice as many nodes along each axis if more than this part of
+// the nodes would be pieces, as in noise. Where all conduct they always are: half the memory, and as quick.
 constexpr double manyPieces = 0.22;
 
 } // namespace
@@ -60,10 +60,11 @@ PieceMultigrid::PieceMultigrid(const LeanField& field, int threads)
   , axis_(field.axis())
   , threads_(std::max(1, threads))
 {
-  label(field, 2);
   const bool aligned = !lattice_->comm->parallel() || lattice_->parts->levels() > 1;
+  const bool allConduct = std::ranges::all_of(field.ids(), [&](std::uint8_t id) { return field.links().conducts(id); });
+  label(field, aligned && allConduct ? mostEdge : 2);
   const auto nodes = static_cast<double>(lattice_->size[0] * lattice_->size[1] * lattice_->size[2]);
-  if (aligned && static_cast<double>(total(levels_.front())) > manyPieces * nodes)
+  if (aligned && edge_ == 2 && static_cast<double>(total(levels_.front())) > manyPieces * nodes)
     label(field, mostEdge);
   PieceLevel& first = levels_.front();
   first.halo = PieceHalo(*lattice_->comm, *lattice_->parts, periodic_, first.blocks, first.start);

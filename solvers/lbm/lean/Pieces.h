@@ -34,7 +34,7 @@ struct PieceLevel
   std::unique_ptr<PieceMove> moved;             ///< the next level is the same, shared out anew
   PieceHalo halo;
   std::vector<std::uint32_t> start; ///< the first unknown of each block, and their number
-  std::vector<std::size_t> row;     ///< an unknown's first link, and their number
+  std::vector<std::uint32_t> row;   ///< an unknown's first link, and their number
   std::vector<std::uint32_t> other;
   std::vector<std::uint16_t> link;   ///< the upper half of a float: eight bits are enough for a correction
   std::vector<float> wall;           ///< links to fixed faces
@@ -72,15 +72,16 @@ struct RankShares
 /// Coarse levels for a lean field whose phases insulate in thin walls, or do not conduct at all: where a block of
 /// 2 × 2 × 2 nodes would join what is apart, each piece of it is an unknown of its own. A piece is what strong links
 /// join inside the block: on the finest level links between phases that conduct alike, further down links that are a
-/// part of the strongest one at both their ends, a part that is halved from level to level. Links between pieces follow
-/// the rule of blocks (Multigrid). Each level is entered twice, with two steps of conjugate gradients (K-cycle: Notay &
-/// Vassilevski, Numer. Linear Algebra Appl. 15 (2008) 473).
+/// part of the strongest one at both their ends, a part that is halved from level to level; and what hangs on one other
+/// piece of the block by nearly all its links. Links between pieces follow the rule of blocks (Multigrid). Each level
+/// is entered twice, with two steps of conjugate gradients (K-cycle: Notay & Vassilevski, Numer. Linear Algebra Appl.
+/// 15 (2008) 473).
 ///
 /// Distributed as the lattice is, as long as every part begins at an even block; then shared out anew, or, where that
 /// is not worth its messages, gathered: every rank does the rest for itself. Every number of ranks has the same pieces,
 /// up to periodic sides with an odd number of blocks. Every number of threads gives the same.
 ///
-/// Memory: 40 bytes a piece, 6 a link, 4 a block; 0.5 to 1 byte a node of the finest level.
+/// Memory: 36 bytes a piece, 6 a link, 4 a block; 0.5 to 1 byte a node of the finest level.
 class PieceMultigrid
 {
 public:
@@ -103,6 +104,8 @@ private:
 
   /// @param edge of a block, in nodes
   void label(const LeanField& field, std::int64_t edge);
+  void hangPieces(const LeanField& field, const std::array<std::int64_t, 3>& block, std::span<const int> id,
+    std::span<std::uint8_t> parent) const;
   template <class Gather>
   void link(PieceLevel& level, const Gather& gather) const;
   void linkFirst(const LeanField& field);
