@@ -376,13 +376,14 @@ private:
   {
     double least = std::numeric_limits<double>::infinity();
     double most = 0;
-    for (const std::uint8_t a : field_.ids())
-      for (const std::uint8_t b : field_.ids())
-        if (const double link = field_.links().mean(a, b); link > 0)
-        {
-          least = std::min(least, link);
-          most = std::max(most, link);
-        }
+    for (std::size_t table = 0; table < field_.links().tables(); ++table)
+      for (const std::uint8_t a : field_.ids())
+        for (const std::uint8_t b : field_.ids())
+          if (const double link = field_.links().mean(a, b, static_cast<int>(table)); link > 0)
+          {
+            least = std::min(least, link);
+            most = std::max(most, link);
+          }
     return most > 0 ? most / least : 1.0;
   }
 
