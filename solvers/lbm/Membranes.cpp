@@ -373,6 +373,9 @@ PairTable membraneLinks(const MembraneIds& ids, std::span<const double> conducti
   std::span<const Membrane> membranes, const Lattice& lattice)
 {
   const std::vector<std::uint16_t> place = byPair(membranes);
+  for (const std::uint8_t phase : ids.phase)
+    if (phase >= conductivity.size())
+      throw ParameterError(fmt::format("phase {} has no conductivity", phase), "give one value for each phase");
   PairTable table;
   table.ids = ids.phase.size();
   const std::size_t all = table.ids * table.ids;

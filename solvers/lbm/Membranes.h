@@ -50,6 +50,7 @@ struct MembraneIds
 /// Links of such ids: 1/(1/2k + R/(δ f) + 1/2k′) where a membrane lies between, f the mean flatness of both ends, δ the
 /// spacing along the link; else harmonic means. One table of cubes, three by axis of other voxels.
 /// @param conductivity by phase
+/// @throws ParameterError for a phase without one, and what membraneIds() throws of membranes
 [[nodiscard]] PairTable membraneLinks(const MembraneIds& ids, std::span<const double> conductivity,
   std::span<const Membrane> membranes, const Lattice& lattice);
 

@@ -376,17 +376,17 @@ SteadyDiffusion::SteadyDiffusion(const Lattice& lattice, const Block& block, std
         fmt::format("conductivity {} of phase {} is not a finite number of at least 0", diffusivity[i], i),
         "give a positive value, or 0 for a phase that does not conduct");
 
-  std::array<std::int64_t, 256> count{};
+  std::array<double, 256> count{}; // of all ranks, so that all refuse what one of them has
   for (const std::uint8_t id : phase)
     ++count[id];
+  m.comm.sum(count);
   for (std::size_t id = 0; id < count.size(); ++id)
   {
     if (count[id] > 0 && id >= diffusivity.size())
       throw ParameterError(fmt::format("phase {} has no conductivity", id), "give one value for each phase");
     if (id < diffusivity.size() && diffusivity[id] > 0)
-      m.conducting += count[id];
+      m.conducting += static_cast<std::int64_t>(count[id]);
   }
-  m.conducting = m.comm.sum(m.conducting);
   m.allConduct = m.conducting == lattice.count();
   if (options.pairs)
     requirePairs(options, diffusivity);

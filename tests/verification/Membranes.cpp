@@ -493,6 +493,8 @@ TEST(Membranes, WhatCannotBeIsRefused)
   StudyOptions o = along(0, 2, Sides::Insulated, Method::Auto);
   o.steady.stencil = Stencil::D2Q9;
   EXPECT_THROW((void)studyDiffusion(image, k, o, MPI_COMM_SELF), ParameterError);
+  o.steady.stencil = Stencil::D2Q5;
+  EXPECT_THROW((void)studyDiffusion(image, std::vector{ 2.0, 0.3 }, o, MPI_COMM_SELF), ParameterError); // phase 2
   PhaseImage flat = image;
   flat.lattice.aspect = { 1, 17, 1 }; // no normals by five nodes along the long edge
   EXPECT_THROW(

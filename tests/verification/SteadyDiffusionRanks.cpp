@@ -2,6 +2,8 @@
 // the decomposition; within the tolerance with algebraic multigrid, whose aggregates do.
 #include "Diffusion.h"
 
+#include "core/Error.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -90,6 +92,17 @@ TEST(Ranks, GiveTheSame3D)
       }
   compare(noise(20, 2, 33, 0.5, 3), { 0.1, 1.0 }, { .axis = 1 });
   compare(noise(25, 31, 45, 0.5, 3), { 0.1, 1.0 }, { .axis = 1, .sides = lbm::Sides::Periodic });
+}
+
+// In one rank's block alone: told by all, or the others would wait for it.
+TEST(Ranks, APhaseWithoutConductivityIsRefusedByAll)
+{
+  int initialized = 0;
+  MPI_Initialized(&initialized);
+  const MPI_Comm world = initialized != 0 ? MPI_COMM_WORLD : MPI_COMM_SELF;
+  PhaseImage image = noise(8, 24, 24, 0.5, 3);
+  image.phase.back() = 2;
+  EXPECT_THROW((void)solve(image, { 0.1, 1.0 }, {}, world), ParameterError);
 }
 
 // Links by the axis, too: lean methods within what they are asked for.
