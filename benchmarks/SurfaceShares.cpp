@@ -13,8 +13,9 @@
 // membranes: the same spheres, of whole voxels, with a resistance on their surface (sphere-membranes.csv), by what
 // faces carry: as much as the surface does, or as it is scaled; with bars of sizes up to bars=64. membrane-bars: how
 // often the bar of studyDiffusion() holds where the truth is known: such spheres and square arrays of disks anywhere,
-// periodic layers at an angle in the plane and in space; count= of them.
-//   resistance=0.1,1,10  membranes=FILE
+// periodic layers at an angle in the plane and in space; count= of them. Both with voxels of the proportions edges=, of
+// which the size counts along an edge of 1.
+//   resistance=0.1,1,10  membranes=FILE  edges=1,1,1
 #include "Keys.h"
 #include "Shapes.h"
 #include "Table.h"
@@ -455,13 +456,41 @@ bool wanted(const Keys& keys, const char* key, double value)
 }
 
 /// Each face carries what the surface does.
+/// Voxels of the proportions edges=.
+std::array<double, 3> edgesOf(const Keys& keys)
+{
+  const std::vector<double> given = list(keys, "edges", 1);
+  if (given.size() != 1 && given.size() != 3)
+    throw ParameterError(fmt::format("{} edges", given.size()), "give those along x, y and z");
+  return { given.front(), given.size() > 1 ? given[1] : given.front(), given.back() };
+}
+
+/// A unit cell, sampled at the middles of voxels, n of them along an edge of 1.
+PhaseImage sampledBy(int dimension, int n, const std::array<double, 3>& edges, const Shape& inside)
+{
+  std::array<std::int64_t, 3> size{ 1, 1, 1 };
+  std::array<double, 3> spacing{ 1, 1, 1 };
+  for (std::size_t a = 0; a < static_cast<std::size_t>(dimension); ++a)
+  {
+    size[a] = std::lround(n / edges[a]);
+    spacing[a] = 1.0 / static_cast<double>(size[a]);
+  }
+  const auto stretched = [&](Spot p) {
+    return inside({ p.x, p.y * spacing[1] / spacing[0], dimension == 3 ? p.z * spacing[2] / spacing[0] : 0.0 });
+  };
+  PhaseImage image = sampled(dimension, size, stretched);
+  if (const std::array<double, 3> aspect{ 1, spacing[1] / spacing[0], dimension == 3 ? spacing[2] / spacing[0] : 1.0 };
+      aspect != image.lattice.aspect)
+    image.lattice = makeLattice(size[0], size[1], size[2], dimension, spacing[0], aspect);
+  return image;
+}
+
 double literally(const PhaseImage& image, double contrast, const lbm::Membrane& membrane)
 {
   const lbm::MembraneIds ids{ image.phase, { 0, 1 }, { 1, 1 }, {}, {} };
   const std::vector<double> k{ 1, contrast };
   lbm::SteadyOptions o = alongX().steady;
-  o.pairs =
-    std::make_shared<lbm::PairTable>(lbm::membraneLinks(ids, k, std::vector{ membrane }, image.lattice.spacing));
+  o.pairs = std::make_shared<lbm::PairTable>(lbm::membraneLinks(ids, k, std::vector{ membrane }, image.lattice));
   lbm::SteadyDiffusion solver(image.lattice, decompose(image.lattice, MPI_COMM_SELF), ids.id, k, o);
   return solver.solve(0).effective[0];
 }
@@ -470,6 +499,7 @@ void membranes(const Keys& keys)
 {
   const std::vector<double> sizes = keys.contains("size") ? list(keys, "size", 0) : std::vector{ 32.0, 64.0, 128.0 };
   const double largest = number(keys, "bars", 64);
+  const std::array<double, 3> edges = edgesOf(keys);
   Table table(
     keys, "surface-shares", "membranes", "fraction,contrast,resistance,nodes,value,literal_error,error,bar,held");
   int held = 0;
@@ -484,10 +514,17 @@ void membranes(const Keys& keys)
     for (const double size : sizes)
     {
       const auto n = static_cast<std::int64_t>(size);
+      const double radius = std::cbrt(3 * t.fraction / (4 * std::numbers::pi));
       PhaseImage image = cell(n);
-      for (const double s : test::sphereShares(n, t.fraction))
-        image.phase.push_back(s >= 0.5 ? 1 : 0);
-      const lbm::Membrane membrane{ 0, 1, t.resistance * std::cbrt(3 * t.fraction / (4 * std::numbers::pi)) };
+      if (edges == std::array<double, 3>{ 1, 1, 1 })
+        for (const double s : test::sphereShares(n, t.fraction))
+          image.phase.push_back(s >= 0.5 ? 1 : 0);
+      else
+        image = sampledBy(3, static_cast<int>(n), edges,
+          [&](Spot p) {
+            return near2(p, { 0.5, 0.513, 0.479 }) < radius * radius;
+          });
+      const lbm::Membrane membrane{ 0, 1, t.resistance * radius };
       lbm::StudyOptions study = alongX();
       study.membranes = { membrane };
       study.estimateError = size <= largest;
@@ -525,7 +562,8 @@ double logUniform(Random& random, double low, double high)
   return low * std::pow(high / low, uniform(random, 0, 1));
 }
 
-MembraneCase randomMembranes(Random& random, int kind, const std::vector<Truth>& spheres)
+MembraneCase randomMembranes(
+  Random& random, int kind, const std::vector<Truth>& spheres, const std::array<double, 3>& edges)
 {
   MembraneCase c;
   const Spot centre{ uniform(random, 0, 1), uniform(random, 0, 1), uniform(random, 0, 1) };
@@ -536,7 +574,7 @@ MembraneCase randomMembranes(Random& random, int kind, const std::vector<Truth>&
   {
     const Truth& t = spheres[random() % spheres.size()];
     const double radius = std::cbrt(3 * t.fraction / (4 * std::numbers::pi));
-    c = { "sphere", sampled(3, cube(n, 3), [&](Spot p) { return near2(p, centre) < radius * radius; }), t.contrast,
+    c = { "sphere", sampledBy(3, n, edges, [&](Spot p) { return near2(p, centre) < radius * radius; }), t.contrast,
       t.resistance * radius, t.value };
   }
   else if (kind == 1)
@@ -544,7 +582,7 @@ MembraneCase randomMembranes(Random& random, int kind, const std::vector<Truth>&
     const double fraction = uniform(random, 0.05, 0.5);
     const double radius = std::sqrt(fraction / std::numbers::pi);
     c.kind = "disk";
-    c.image = sampled(2, cube(n, 2), [&](Spot p) { return near2(p, { centre.x, centre.y, 0 }) < radius * radius; });
+    c.image = sampledBy(2, n, edges, [&](Spot p) { return near2(p, { centre.x, centre.y, 0 }) < radius * radius; });
     c.resistance = relative * radius;
     c.truth = test::squareArrayOfDisks(fraction, c.contrast, 40, relative);
   }
@@ -556,7 +594,7 @@ MembraneCase randomMembranes(Random& random, int kind, const std::vector<Truth>&
     const double square = wave[0] * wave[0] + wave[1] * wave[1] + wave[2] * wave[2];
     const double part = uniform(random, 0.3, 0.7);
     c.kind = space ? "layers" : "layers in the plane";
-    c.image = sampled(space ? 3 : 2, cube(n, space ? 3 : 2),
+    c.image = sampledBy(space ? 3 : 2, n, edges,
       [&](Spot p)
       {
         const double s = wave[0] * p.x + wave[1] * p.y + wave[2] * p.z + centre.x;
@@ -581,7 +619,7 @@ void membraneBars(const Keys& keys)
   std::vector<double> errors;
   for (int i = 0; i < count; ++i)
   {
-    const MembraneCase c = randomMembranes(random, i % 4, spheres);
+    const MembraneCase c = randomMembranes(random, i % 4, spheres, edgesOf(keys));
     lbm::StudyOptions study;
     study.axes = { 0 };
     study.steady.stencil = c.image.lattice.dimension == 3 ? lbm::Stencil::D3Q7 : lbm::Stencil::D2Q5;

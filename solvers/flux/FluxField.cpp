@@ -63,7 +63,7 @@ double LinkFlux::link(const Node& node, const Direction& d) const
     return 0;
   const std::size_t here = setting_.index(node);
   const std::size_t there = setting_.index(moved(node, d));
-  const double conductance = weight * links_.mean(phase_[here], phase_[there]);
+  const double conductance = weight * links_.mean(phase_[here], phase_[there], d.axis());
   const double difference = value_[here] - value_[there];
   return conductance > 0 && std::isfinite(difference) ? conductance * difference : 0.0;
 }

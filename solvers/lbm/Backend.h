@@ -51,7 +51,8 @@ struct Problem
 /// Where the energy of a field is, in any unit.
 struct FieldEnergies
 {
-  /// Of links by the ids at their ends, [a * ids + b] with a ≤ b, of those to walls by the node's at both.
+  /// Of links by the ids at their ends, [a * ids + b] with a ≤ b, of those to walls by the node's at both; by axis as
+  /// the table of pairs is (Links::tables).
   std::vector<double> links;
   /// Of elements, by id: what the field has per unit of the diffusivity along the axis, and of that across.
   std::vector<double> along, across;

@@ -68,7 +68,7 @@ void BoxField::rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& 
       const std::uint8_t* a, const std::uint8_t* b)
     {
       for (std::int64_t x = first; x < last; ++x)
-        f(x, w * links_.mean(a[x], b[x]), u[x] - v[x] + jump);
+        f(x, w * links_.mean(a[x], b[x], d.axis()), u[x] - v[x] + jump);
     });
 }
 
@@ -88,7 +88,8 @@ void BoxField::rowLinks(std::int64_t y, std::int64_t z, const Direction& d, F&& 
     std::int64_t other = x + d.x;
     other = other < 0 ? other + nx : other >= nx ? other - nx : other;
     const double* v = u_.data() + halo_.row(y + d.y, z + d.z) * stride_ + 1;
-    f(x, weight * links_.mean(rowPhase(y, z)[x], rowPhase(y + d.y, z + d.z)[other]), u[x] - v[x + d.x] + jump);
+    f(x, weight * links_.mean(rowPhase(y, z)[x], rowPhase(y + d.y, z + d.z)[other], d.axis()),
+      u[x] - v[x + d.x] + jump);
   };
   if (const double* given = links_.given(d, p[1]); given != nullptr)
   {
@@ -357,7 +358,7 @@ std::vector<double> BoxField::linkEnergies() const
   const std::int64_t nx = block_.size[0];
   const std::int64_t rows = block_.size[1] * block_.size[2];
   const std::int64_t parts = std::clamp<std::int64_t>(rows, 1, sumParts);
-  const std::size_t pairs = ids * ids;
+  const std::size_t pairs = links_.tables() * ids * ids;
   std::vector<double> sums(static_cast<std::size_t>(parts) * pairs, 0.0);
   const int threads = problem_.options.threads;
 #pragma omp parallel for num_threads(threads) if (threads > 1) schedule(static)
@@ -373,8 +374,9 @@ std::vector<double> BoxField::linkEnergies() const
       for (const Direction& d : links_.forward())
       {
         const std::uint8_t* const there = rowPhase(y + d.y, z + d.z);
+        const std::size_t table = links_.table(d.axis()) * ids * ids;
         const auto add = [&](std::int64_t x, std::uint8_t a, std::uint8_t b, double energy)
-        { lanes[static_cast<std::size_t>(x % energyLanes) * pairs + ids * a + b] += energy; };
+        { lanes[static_cast<std::size_t>(x % energyLanes) * pairs + table + ids * a + b] += energy; };
         rowLinks(
           y, z, d,
           [&](std::int64_t x, double g, double du)
@@ -401,15 +403,15 @@ std::vector<double> BoxField::linkEnergies() const
               std::memcpy(&words[0], a + x, 4);
               std::memcpy(&words[1], b + x, 4);
               if (words[0] == 0x01010101U * a[x] && words[1] == 0x01010101U * b[x] && !std::isnan(four))
-                add(x / 4, a[x], b[x], links_.mean(a[x], b[x]) * four);
+                add(x / 4, a[x], b[x], links_.mean(a[x], b[x], d.axis()) * four);
               else
                 for (int i = 0; i < 4; ++i)
                   if (const double square = squares[static_cast<std::size_t>(i)]; !std::isnan(square))
-                    add(x + i, a[x + i], b[x + i], links_.mean(a[x + i], b[x + i]) * square);
+                    add(x + i, a[x + i], b[x + i], links_.mean(a[x + i], b[x + i], d.axis()) * square);
             }
             for (; x < last; ++x)
               if (const double du = u[x] - v[x] + jump; !std::isnan(du))
-                add(x, a[x], b[x], w * links_.mean(a[x], b[x]) * du * du);
+                add(x, a[x], b[x], w * links_.mean(a[x], b[x], d.axis()) * du * du);
           });
       }
       if (problem_.options.sides == Sides::Periodic)
@@ -420,7 +422,7 @@ std::vector<double> BoxField::linkEnergies() const
       {
         const double du = u[x] - wallValue;
         if (!std::isnan(du))
-          sum[(ids + 1) * here[x]] +=
+          sum[links_.table(axis) * ids * ids + (ids + 1) * here[x]] +=
             links_.wall(here[x], { x, y + block_.start[1], z + block_.start[2] }, axis, wallValue == 0.0) * du * du;
       };
       if (axis == 0)
@@ -439,12 +441,12 @@ std::vector<double> BoxField::linkEnergies() const
     for (std::size_t i = 0; i < lanes.size(); ++i)
       sum[i % pairs] += lanes[i];
   }
-  std::vector<double> all(ids * ids, 0.0);
+  std::vector<double> all(pairs, 0.0);
   for (std::size_t i = 0; i < sums.size(); ++i)
   {
     const std::size_t a = i % (ids * ids) / ids;
     const std::size_t b = i % ids;
-    all[std::min(a, b) * ids + std::max(a, b)] += sums[i];
+    all[i % pairs / (ids * ids) * ids * ids + std::min(a, b) * ids + std::max(a, b)] += sums[i];
   }
   problem_.comm.sum(all);
   return all;

@@ -288,7 +288,6 @@ private:
   template <class F>
   void nodeLinks(const Position& p, std::int64_t row, std::uint32_t id, F&& f) const
   {
-    const double* mean = links_.meanRow(phase_[id]);
     const bool periodic = problem_.options.sides == Sides::Periodic;
     const int axis = problem_.axis;
     const double jump = periodic ? 1.0 / static_cast<double>(problem_.lattice.size[axis]) : 0.0;
@@ -308,7 +307,8 @@ private:
         continue;
       const std::uint32_t other = set().id(otherRow, x);
       const double* given = links_.given(d, p[1]);
-      f(given != nullptr ? given[p[0]] : weight * mean[phase_[other]], u_[id] - u_[other] + jump * d[axis], d,
+      f(given != nullptr ? given[p[0]] : weight * links_.mean(phase_[id], phase_[other], d.axis()),
+        u_[id] - u_[other] + jump * d[axis], d,
         globalBegin_[static_cast<std::size_t>(otherRow)] + other - set().rowBegin(otherRow));
     }
     if (!periodic)

@@ -202,8 +202,8 @@ private:
     const bool whole = block.count() == refined.lattice.count();
     if (membranes != nullptr)
     {
-      auto pairs = std::make_shared<PairTable>(
-        membraneLinks(*membranes, diffusivity_, options_.membranes, refined.lattice.spacing));
+      auto pairs =
+        std::make_shared<PairTable>(membraneLinks(*membranes, diffusivity_, options_.membranes, refined.lattice));
       std::vector<double> byId;
       for (const std::uint8_t phase : membranes->phase)
         byId.push_back(diffusivity_[phase]);
@@ -232,7 +232,7 @@ private:
     step.seconds += comm.max(result.setupSeconds + result.solveSeconds);
     step.value = valueOf(result, answer.axis);
     if (whole && membranes && (options_.derivatives || options_.estimateError))
-      takeMembranes(solver, *membranes, refined.lattice.spacing, step.value, answer);
+      takeMembranes(solver, *membranes, refined.lattice, step.value, answer);
     else if (whole && options_.derivatives)
       answer.derivatives = solver.derivatives();
     if (whole && options_.surfaces)
@@ -249,11 +249,11 @@ private:
   }
 
   /// Derivatives, and what an error of the surfaces' area leaves; of planes along the lattice that is exact.
-  void takeMembranes(const SteadyDiffusion& solver, const MembraneIds& membranes, double spacing, double value,
+  void takeMembranes(const SteadyDiffusion& solver, const MembraneIds& membranes, const Lattice& lattice, double value,
     DiffusionAnswer& answer) const
   {
     ConductivityDerivatives by =
-      membraneDerivatives(solver.pairDerivatives(), membranes, diffusivity_, options_.membranes, spacing);
+      membraneDerivatives(solver.pairDerivatives(), membranes, diffusivity_, options_.membranes, lattice);
     double part = 0;
     if (std::ranges::any_of(membranes.flatness, [](double f) { return f < 1; }))
       for (std::size_t i = 0; i < by.membranes.size(); ++i)
@@ -718,9 +718,6 @@ std::vector<DiffusionAnswer> studyDiffusion(const PhaseImage& image, std::span<c
       "give each phase one conductivity, or leave the membranes out");
   if (!options.membranes.empty() && options.surfaces)
     throw ParameterError("derivatives by where surfaces lie, of surfaces with membranes", "leave one of them out");
-  if (!options.membranes.empty() && !image.lattice.cubes())
-    throw ParameterError(
-      "membranes in a picture whose spacings differ between axes", "resample it to square pixels, or cubes");
   return Study(image, diffusivity, options, comm, sink).run();
 }
 

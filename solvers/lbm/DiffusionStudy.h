@@ -94,7 +94,7 @@ struct StudyOptions
   /// else on D2Q9 (directedLinks()). A refined pixel's nodes have its axis. The study's diffusivities are then
   /// directed->larger().
   std::shared_ptr<const DirectedDiffusivity> directed;
-  /// Resistances on the surfaces between phases; straight links, cubes. Each picture that is solved has them by its own
+  /// Resistances on the surfaces between phases; straight links. Each picture that is solved has them by its own
   /// steps (membraneIds()), so that coarser ones tell what steps do to them.
   std::vector<Membrane> membranes;
 };

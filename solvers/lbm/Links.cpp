@@ -9,6 +9,7 @@ namespace lamella::lbm
 Links::Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> boundary,
   std::span<const double> diffusivity, const LinkTable* table, const PairTable* pairs)
   : dimension_(lattice.dimension)
+  , byAxis_(pairs != nullptr && pairs->link.size() > pairs->ids * pairs->ids)
   , size_(lattice.size)
   , boundary_(boundary)
   , phases_(diffusivity.size())
@@ -47,11 +48,17 @@ Links::Links(const Lattice& lattice, Stencil stencil, std::array<Boundary, 3> bo
   if (scale_ > 0.0)
     for (double& d : diffusivity_)
       d /= scale_;
+  if (pairs != nullptr)
+  {
+    table_ = pairs->link;
+    for (double& g : table_)
+      g /= scale_;
+    return;
+  }
   table_.resize(phases_ * phases_);
   for (std::size_t a = 0; a < phases_; ++a)
     for (std::size_t b = 0; b < phases_; ++b)
-      table_[a * phases_ + b] =
-        pairs != nullptr ? pairs->link[a * phases_ + b] / scale_ : harmonicMean(diffusivity_[a], diffusivity_[b]);
+      table_[a * phases_ + b] = harmonicMean(diffusivity_[a], diffusivity_[b]);
 }
 
 } // namespace lamella::lbm

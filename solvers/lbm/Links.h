@@ -34,6 +34,8 @@ struct Direction
   int z = 0;
   [[nodiscard]] int operator[](int axis) const noexcept { return axis == 0 ? x : axis == 1 ? y : z; }
   [[nodiscard]] int axes() const noexcept { return (x != 0) + (y != 0) + (z != 0); }
+  /// Of a straight one; of others the first.
+  [[nodiscard]] int axis() const noexcept { return x != 0 ? 0 : y != 0 ? 1 : 2; }
 };
 
 /// The links of the steady state of two-relaxation-time lattice Boltzmann with Λ⁺Λ⁻ = ¼: between nodes r and r' the
@@ -70,7 +72,7 @@ public:
     }
     if (d.axes() == 2)
       return diagonal_;
-    double w = straight_ * factor(d);
+    double w = straight_ * factor_[static_cast<std::size_t>(d.axis())];
     if (diagonal_ != 0.0)
       for (int a = 0; a < dimension_; ++a)
         if (d[a] == 0 && boundary_[a] == Boundary::Insulated)
@@ -97,12 +99,16 @@ public:
     return given_.x.empty() || given(d, y)[x] > 0.0;
   }
 
-  /// Harmonic mean of the diffusivities of two phase ids, or what the table of pairs says, scaled by scale().
-  [[nodiscard]] double mean(std::uint8_t a, std::uint8_t b) const noexcept
+  /// Harmonic mean of the diffusivities of two phase ids, or what the table of pairs says of links along an axis,
+  /// scaled by scale().
+  [[nodiscard]] double mean(std::uint8_t a, std::uint8_t b, int axis) const noexcept
   {
-    return table_[static_cast<std::size_t>(a) * phases_ + b];
+    return table_[table(axis) * phases_ * phases_ + static_cast<std::size_t>(a) * phases_ + b];
   }
-  [[nodiscard]] const double* meanRow(std::uint8_t a) const noexcept { return table_.data() + a * phases_; }
+  /// How many tables of pairs there are: one, or one an axis.
+  [[nodiscard]] std::size_t tables() const noexcept { return byAxis_ ? 3 : 1; }
+  /// Which of them is that of links along an axis.
+  [[nodiscard]] std::size_t table(int axis) const noexcept { return byAxis_ ? static_cast<std::size_t>(axis) : 0; }
   /// Diffusivity of a phase id, scaled by scale().
   [[nodiscard]] double diffusivity(std::uint8_t a) const noexcept { return diffusivity_[a]; }
   /// Conductance of a node to the wall value on a fixed face: 12 D Σ w_q = 2 D on every stencil.
@@ -124,12 +130,8 @@ public:
   [[nodiscard]] bool conducts(std::uint8_t a) const noexcept { return diffusivity_[a] > 0.0; }
 
 private:
-  [[nodiscard]] double factor(const Direction& d) const noexcept
-  {
-    return d.x != 0 ? factor_[0] : d.y != 0 ? factor_[1] : factor_[2];
-  }
-
   int dimension_;
+  bool byAxis_;
   std::array<std::int64_t, 3> size_;
   std::array<Boundary, 3> boundary_;
   std::array<double, 3> factor_{ 1, 1, 1 };

@@ -64,6 +64,84 @@ struct Scale
   }
 };
 
+/// The pixels that tell the normal of one: of cubes 5 × 5 (× 5), which is the sum of Sobel's over 3 × 3 (× 3) pixels;
+/// else as many more along an axis as spacings are shorter than the longest one, with weights as long as there.
+class NormalWindow
+{
+public:
+  using Sum = double;
+  static constexpr int coarsest = 2; ///< reach along the longest spacing
+  static constexpr int farthest = 40;
+
+  NormalWindow(const Lattice& lattice, const std::array<std::int64_t, 3>& size)
+  {
+    std::size_t longest = 0;
+    std::size_t shortest = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+      if (size[a] > 1)
+      {
+        if (size[longest] == 1 || lattice.aspect[a] > lattice.aspect[longest])
+          longest = a;
+        if (size[shortest] == 1 || lattice.aspect[a] < lattice.aspect[shortest])
+          shortest = a;
+      }
+    constexpr double width = coarsest + 0.5;
+    std::array<double, 3> slopes{};  // Σ |step|
+    std::array<double, 3> weights{}; // their sum
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      const double ratio = std::max(1.0, lattice.aspect[longest] / lattice.aspect[a]);
+      reach_[a] = a == 2 && lattice.dimension == 2 ? 0
+        : size[a] == 1                             ? coarsest
+                                                   : static_cast<int>(std::lround(width * ratio - 0.5));
+      if (reach_[a] > farthest)
+        throw ParameterError(
+          fmt::format("membranes between voxels with edges of {:g} and {:g}",
+            lattice.spacingAlong(static_cast<int>(longest)), lattice.spacingAlong(static_cast<int>(shortest))),
+          fmt::format(
+            "with membranes they may differ by a factor of {:g}: resample the sample to voxels nearer to cubes",
+            (farthest + 0.5) / width));
+      for (int step = -reach_[a]; step <= reach_[a]; ++step)
+      {
+        weight_[a].push_back(falling(std::abs(step) * std::min(1.0, width / (reach_[a] + 0.5))));
+        slopes[a] += std::abs(step);
+        weights[a] += weight_[a].back();
+      }
+    }
+    const auto response = [&](std::size_t a)
+    { return slopes[a] * weights[(a + 1) % 3] * weights[(a + 2) % 3] * lattice.aspect[a]; };
+    for (std::size_t a = 0; a < 3; ++a)
+      unit_[a] = slopes[a] > 0 ? response(0) / response(a) : 0;
+  }
+
+  [[nodiscard]] int reach(std::size_t axis) const noexcept { return reach_[axis]; }
+  [[nodiscard]] double weight(std::size_t axis, int step) const noexcept
+  {
+    return weight_[axis][static_cast<std::size_t>(step + reach_[axis])];
+  }
+  /// What a component of the slope is to be multiplied by, for all of them to be by the same length.
+  [[nodiscard]] double unit(std::size_t axis) const noexcept { return unit_[axis]; }
+
+private:
+  /// 4, 3, 1, 0 at 0, 1, 2, 3, straight between.
+  static double falling(double distance) noexcept
+  {
+    return distance < 1 ? 4 - distance : distance < 2 ? 5 - 2 * distance : std::max(0.0, 3 - distance);
+  }
+
+  std::array<int, 3> reach_{};
+  std::array<std::vector<double>, 3> weight_;
+  std::array<double, 3> unit_{};
+};
+
+std::array<std::int64_t, 3> pixelsOf(const Lattice& lattice, int refinement)
+{
+  std::array<std::int64_t, 3> size{ 1, 1, 1 };
+  for (std::size_t a = 0; a < 3; ++a)
+    size[a] = std::max<std::int64_t>(1, lattice.size[a] / refinement);
+  return size;
+}
+
 /// The pixels of a picture, of which each may be several nodes.
 class Pixels
 {
@@ -72,9 +150,9 @@ public:
     : image_(image)
     , refinement_(refinement)
     , wraps_(wraps)
+    , size_(pixelsOf(image.lattice, refinement))
+    , window_(image.lattice, size_)
   {
-    for (std::size_t a = 0; a < 3; ++a)
-      size_[a] = std::max<std::int64_t>(1, image.lattice.size[a] / refinement);
     if (refinement == 1)
       return;
     own_.reserve(static_cast<std::size_t>(count()));
@@ -109,15 +187,20 @@ public:
   /// Surface over faces at a pixel; 0 where nothing tells.
   [[nodiscard]] double flatness(std::int64_t x, std::int64_t y, std::int64_t z) const
   {
-    constexpr int reach = 2;
-    std::array<std::int64_t, 2 * reach + 1> along{};
+    const int reach = window_.reach(0);
+    std::array<std::int64_t, 2 * NormalWindow::farthest + 1> along{};
     for (int d = -reach; d <= reach; ++d)
       along[static_cast<std::size_t>(d + reach)] = placed(x + d, 0);
-    const std::array<int, 3> slope = surfaceSlope<reach>(ids()[at(x, y, z)], image_.lattice.dimension == 3 ? reach : 0,
-      along, [&](int dy, int dz) { return ids() + at(0, placed(y + dy, 1), placed(z + dz, 2)); });
-    const double faces = std::abs(slope[0]) + std::abs(slope[1]) + std::abs(slope[2]);
-    const double square = static_cast<double>(slope[0]) * slope[0] + static_cast<double>(slope[1]) * slope[1] +
-      static_cast<double>(slope[2]) * slope[2];
+    const std::array<double, 3> slope = surfaceSlope(ids()[at(x, y, z)], window_, along,
+      [&](int dy, int dz) { return ids() + at(0, placed(y + dy, 1), placed(z + dz, 2)); });
+    double faces = 0;
+    double square = 0;
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      const double component = std::abs(slope[a] * window_.unit(a));
+      faces += component;
+      square += component * component;
+    }
     return faces > 0 ? std::sqrt(square) / faces : 0;
   }
 
@@ -134,7 +217,8 @@ private:
   const PhaseImage& image_;
   int refinement_;
   std::array<bool, 3> wraps_;
-  std::array<std::int64_t, 3> size_{ 1, 1, 1 };
+  std::array<std::int64_t, 3> size_;
+  NormalWindow window_;
   std::vector<std::uint8_t> own_; ///< where they are not the image's nodes
 };
 
@@ -163,9 +247,10 @@ void forEachFace(const Pixels& pixels, const std::vector<std::uint16_t>& place, 
     });
 }
 
-double resistanceOf(const MembraneIds& ids, const Membrane& membrane, double spacing, std::size_t a, std::size_t b)
+/// Of links along an axis, by its spacing: by the ids at both ends, surface over faces and spacing.
+double surfaceOf(const MembraneIds& ids, const Lattice& lattice, std::size_t axis, std::size_t a, std::size_t b)
 {
-  return membrane.resistance / (spacing * 0.5 * (ids.flatness[a] + ids.flatness[b]));
+  return lattice.spacingAlong(static_cast<int>(axis)) * 0.5 * (ids.flatness[a] + ids.flatness[b]);
 }
 
 } // namespace
@@ -265,8 +350,9 @@ MembraneIds membraneIds(
     {
       const double f =
         0.5 * (result.flatness[own[static_cast<std::size_t>(i)]] + result.flatness[own[static_cast<std::size_t>(j)]]);
-      result.area[m] += f / (pixelCount * refinement);
-      result.across[m][axis] += 1 / (f * pixelCount * refinement);
+      const double share = 1 / (pixelCount * refinement * image.lattice.aspect[axis]);
+      result.area[m] += f * share;
+      result.across[m][axis] += share / f;
     });
   if (refinement == 1)
   {
@@ -283,48 +369,56 @@ MembraneIds membraneIds(
   return result;
 }
 
-PairTable membraneLinks(
-  const MembraneIds& ids, std::span<const double> conductivity, std::span<const Membrane> membranes, double spacing)
+PairTable membraneLinks(const MembraneIds& ids, std::span<const double> conductivity,
+  std::span<const Membrane> membranes, const Lattice& lattice)
 {
   const std::vector<std::uint16_t> place = byPair(membranes);
+  for (const std::uint8_t phase : ids.phase)
+    if (phase >= conductivity.size())
+      throw ParameterError(fmt::format("phase {} has no conductivity", phase), "give one value for each phase");
   PairTable table;
   table.ids = ids.phase.size();
-  table.link.resize(table.ids * table.ids);
-  for (std::size_t a = 0; a < table.ids; ++a)
-    for (std::size_t b = 0; b <= a; ++b)
-    {
-      const double one = conductivity[ids.phase[a]];
-      const double other = conductivity[ids.phase[b]];
-      double g = one == other ? one : harmonicMean(one, other);
-      if (const auto m = place[ids.phase[a] * mostIds + ids.phase[b]]; m != 0 && g > 0)
-        g = 1 / (1 / g + resistanceOf(ids, membranes[m - 1U], spacing, a, b));
-      table.link[a * table.ids + b] = table.link[b * table.ids + a] = g;
-    }
+  const std::size_t all = table.ids * table.ids;
+  const std::size_t tables = lattice.cubes() ? 1 : 3;
+  table.link.resize(tables * all);
+  for (std::size_t axis = 0; axis < tables; ++axis)
+    for (std::size_t a = 0; a < table.ids; ++a)
+      for (std::size_t b = 0; b <= a; ++b)
+      {
+        const double one = conductivity[ids.phase[a]];
+        const double other = conductivity[ids.phase[b]];
+        double g = one == other ? one : harmonicMean(one, other);
+        if (const auto m = place[ids.phase[a] * mostIds + ids.phase[b]]; m != 0 && g > 0)
+          g = 1 / (1 / g + membranes[m - 1U].resistance / surfaceOf(ids, lattice, axis, a, b));
+        table.link[axis * all + a * table.ids + b] = table.link[axis * all + b * table.ids + a] = g;
+      }
   return table;
 }
 
 ConductivityDerivatives membraneDerivatives(std::span<const double> pairDerivatives, const MembraneIds& ids,
-  std::span<const double> conductivity, std::span<const Membrane> membranes, double spacing)
+  std::span<const double> conductivity, std::span<const Membrane> membranes, const Lattice& lattice)
 {
   const std::vector<std::uint16_t> place = byPair(membranes);
-  const PairTable table = membraneLinks(ids, conductivity, membranes, spacing);
+  const PairTable table = membraneLinks(ids, conductivity, membranes, lattice);
+  const std::size_t all = table.ids * table.ids;
   ConductivityDerivatives d;
   for (const double k : conductivity)
     d.along.push_back(k > 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN());
   d.membranes.assign(membranes.size(), 0.0);
-  for (std::size_t a = 0; a < table.ids; ++a)
-    for (std::size_t b = a; b < table.ids; ++b)
-    {
-      const double e = pairDerivatives[a * table.ids + b];
-      if (!(e > 0))
-        continue;
-      // of the halves in series: ∂ ln g / ∂k = g/(2 k²), ∂ ln g / ∂R = −g/(δ f)
-      const double g = table.link[a * table.ids + b];
-      for (const std::size_t end : { a, b })
-        d.along[ids.phase[end]] += e * g / (2 * conductivity[ids.phase[end]]) / conductivity[ids.phase[end]];
-      if (const auto m = place[ids.phase[a] * mostIds + ids.phase[b]]; m != 0)
-        d.membranes[m - 1U] -= e * g / (spacing * 0.5 * (ids.flatness[a] + ids.flatness[b]));
-    }
+  for (std::size_t i = 0; i < table.link.size(); ++i)
+  {
+    const double e = pairDerivatives[i];
+    if (!(e > 0))
+      continue;
+    const std::size_t a = i % all / table.ids;
+    const std::size_t b = i % table.ids;
+    // of the halves in series: ∂ ln g / ∂k = g/(2 k²), ∂ ln g / ∂R = −g/(δ f)
+    const double g = table.link[i];
+    for (const std::size_t end : { a, b })
+      d.along[ids.phase[end]] += e * g / (2 * conductivity[ids.phase[end]]) / conductivity[ids.phase[end]];
+    if (const auto m = place[ids.phase[a] * mostIds + ids.phase[b]]; m != 0)
+      d.membranes[m - 1U] -= e * g / surfaceOf(ids, lattice, i / all, a, b);
+  }
   return d;
 }
 

@@ -407,7 +407,8 @@ void MultigridSystem::setLinks(Level& level) const
         {
           std::int64_t other = x + direction.x;
           other = other < 0 ? other + g.nx : other >= g.nx ? other - g.nx : other;
-          row[g.node(x)] = static_cast<float>(given != nullptr ? given[x] : weight * links.mean(here[x], there[other]));
+          row[g.node(x)] = static_cast<float>(
+            given != nullptr ? given[x] : weight * links.mean(here[x], there[other], direction.axis()));
         };
         if (first != 0.0)
           set(0, first);
@@ -416,7 +417,7 @@ void MultigridSystem::setLinks(Level& level) const
             row[g.node(x)] = static_cast<float>(given[x]);
         else
           for (std::int64_t x = 1; x < g.nx - 1; ++x)
-            row[g.node(x)] = static_cast<float>(inner * links.mean(here[x], there[x + direction.x]));
+            row[g.node(x)] = static_cast<float>(inner * links.mean(here[x], there[x + direction.x], direction.axis()));
         if (last != 0.0)
           set(g.nx - 1, last);
       }

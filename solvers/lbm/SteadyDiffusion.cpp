@@ -275,17 +275,19 @@ void requirePairs(const SteadyOptions& options, std::span<const double> diffusiv
     throw ParameterError(
       fmt::format("conductivities of links by pairs of phases were given for {}", name(options.stencil)),
       "they go with straight links: d2q5, d3q7");
-  bool good = pairs.ids == diffusivity.size() && pairs.link.size() == pairs.ids * pairs.ids;
-  for (std::size_t a = 0; good && a < pairs.ids; ++a)
-    for (std::size_t b = 0; b <= a; ++b)
-    {
-      const double g = pairs.link[a * pairs.ids + b];
-      good =
-        good && std::isfinite(g) && g >= 0 && g == pairs.link[b * pairs.ids + a] && (a != b || g == diffusivity[a]);
-    }
+  const std::size_t all = pairs.ids * pairs.ids;
+  bool good = pairs.ids == diffusivity.size() && (pairs.link.size() == all || pairs.link.size() == 3 * all);
+  for (std::size_t table = 0; good && table < pairs.link.size(); table += all)
+    for (std::size_t a = 0; a < pairs.ids; ++a)
+      for (std::size_t b = 0; b <= a; ++b)
+      {
+        const double g = pairs.link[table + a * pairs.ids + b];
+        good = good && std::isfinite(g) && g >= 0 && g == pairs.link[table + b * pairs.ids + a] &&
+          (a != b || g == diffusivity[a]);
+      }
   if (!good)
     throw ParameterError("the table of links by pairs of phases does not fit the diffusivities",
-      "give a symmetric table of finite values of at least 0, with the diffusivities on its diagonal");
+      "give a symmetric table of finite values of at least 0, with the diffusivities on its diagonal, or one an axis");
 }
 
 void requireLinks(const Lattice& lattice, const SteadyOptions& options)
@@ -374,17 +376,17 @@ SteadyDiffusion::SteadyDiffusion(const Lattice& lattice, const Block& block, std
         fmt::format("conductivity {} of phase {} is not a finite number of at least 0", diffusivity[i], i),
         "give a positive value, or 0 for a phase that does not conduct");
 
-  std::array<std::int64_t, 256> count{};
+  std::array<double, 256> count{}; // of all ranks, so that all refuse what one of them has
   for (const std::uint8_t id : phase)
     ++count[id];
+  m.comm.sum(count);
   for (std::size_t id = 0; id < count.size(); ++id)
   {
     if (count[id] > 0 && id >= diffusivity.size())
       throw ParameterError(fmt::format("phase {} has no conductivity", id), "give one value for each phase");
     if (id < diffusivity.size() && diffusivity[id] > 0)
-      m.conducting += count[id];
+      m.conducting += static_cast<std::int64_t>(count[id]);
   }
-  m.conducting = m.comm.sum(m.conducting);
   m.allConduct = m.conducting == lattice.count();
   if (options.pairs)
     requirePairs(options, diffusivity);

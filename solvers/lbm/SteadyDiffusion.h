@@ -20,7 +20,8 @@ struct LinkTable;
 struct DirectedDiffusivity;
 
 /// What a link conducts, by the ids at its two ends: link[a * ids + b], symmetric, finite, ≥ 0, in the unit of the
-/// diffusivities. A node's own, link[a * ids + a], is what it conducts to a wall, and its diffusivity.
+/// diffusivities. A node's own, link[a * ids + a], is what it conducts to a wall, and its diffusivity. Or three such
+/// tables one after the other, by the axis of the link, with the same diffusivities.
 struct PairTable
 {
   std::size_t ids = 0;
@@ -182,7 +183,8 @@ public:
   /// Collective.
   /// @throws ParameterError for links that were given one by one
   [[nodiscard]] ConductivityDerivatives derivatives() const;
-  /// The same of links that were given by pairs of ids, by the logarithm of each: [a * ids + b], a ≤ b.
+  /// The same of links that were given by pairs of ids, by the logarithm of each: [a * ids + b], a ≤ b; where tables
+  /// were given by axis, three such.
   [[nodiscard]] std::vector<double> pairDerivatives() const;
   /// What moving the surfaces between phases does, from the field alone (SurfaceDerivatives.h): 0.73 to 1.01 of what it
   /// does. 16 bytes a node while it runs, of lean multigrid none. Collective.

@@ -95,13 +95,13 @@ public:
   /// Unit normal out of the phase of a node; zeros where it lies on both sides alike.
   [[nodiscard]] Vector normal(const Node& n) const
   {
-    const int depth = problem_.lattice.dimension == 3 ? 1 : 0;
+    const NearestNodes window{ problem_.lattice.dimension == 2 };
     const auto beside = [&](int dx) // beyond a side, its mirror image
     {
       const std::int64_t x = inside(n, 0, dx) ? n.x + dx : n.x;
       return x < 0 ? x + block_.size[0] : x >= block_.size[0] ? x - block_.size[0] : x;
     };
-    const std::array<int, 3> slope = surfaceSlope<1>(n.phase, depth, { beside(-1), n.x, beside(1) },
+    const std::array<int, 3> slope = surfaceSlope(n.phase, window, std::array{ beside(-1), n.x, beside(1) },
       [&](int dy, int dz) { return phases_(inside(n, 1, dy) ? n.y + dy : n.y, inside(n, 2, dz) ? n.z + dz : n.z); });
     Vector sum{ slope[0] / spacing_[0], slope[1] / spacing_[1], slope[2] / spacing_[2] };
     const double length = std::sqrt(sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2]);

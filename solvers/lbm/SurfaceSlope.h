@@ -3,43 +3,50 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <cstdlib>
+#include <span>
 
 namespace lamella::lbm
 {
 
-/// How a phase falls off around one of its nodes, from the nodes within `Reach` of it along each axis: a vector out of
-/// the phase, of no particular length, zeros where it lies on both sides alike. Differences of all pairs of nodes two
-/// apart, summed with weights of 1, 2, 1 across (Sobel's) for a reach of 1; for 2 the sum of those of the 3 × 3 × 3
-/// nodes around.
-///
-/// @param depth   Reach in space, 0 in the plane
-/// @param row     row(dy, dz): ids of the row that lies so far away, whose node of the same x is at the index x
-/// @param x       indices of the nodes from −Reach to Reach along x; beyond a side what stands for them
-template <int Reach, class Rows>
-[[nodiscard]] std::array<int, 3> surfaceSlope(
-  std::uint8_t phase, int depth, const std::array<std::int64_t, 2 * Reach + 1>& x, Rows&& row)
+/// The 3 × 3 (× 3) nodes around one: differences of all pairs of nodes two apart, summed with weights of 1, 2, 1 across
+/// (Sobel's).
+struct NearestNodes
 {
-  static_assert(Reach == 1 || Reach == 2);
-  constexpr std::array<int, 3> across = Reach == 1 ? std::array{ 2, 1, 0 } : std::array{ 4, 3, 1 };
-  const auto weight = [&](int step) { return across[static_cast<std::size_t>(std::abs(step))]; };
-  const auto sign = [](int step) { return step < 0 ? 1 : step > 0 ? -1 : 0; };
-  std::array<int, 3> slope{ 0, 0, 0 };
-  for (int dz = -depth; dz <= depth; ++dz)
-    for (int dy = -Reach; dy <= Reach; ++dy)
+  using Sum = int;
+  bool flat = false; ///< in the plane
+  [[nodiscard]] int reach(std::size_t axis) const noexcept { return axis == 2 && flat ? 0 : 1; }
+  [[nodiscard]] int weight(std::size_t /*axis*/, int step) const noexcept { return step == 0 ? 2 : 1; }
+};
+
+/// How a phase falls off around one of its nodes, from the nodes around: a vector out of the phase, each component in
+/// a unit of its own, zeros where it lies on both sides alike.
+///
+/// @param window  which nodes: reach(axis) to either side, with weight(axis, step) across
+/// @param row     row(dy, dz): ids of the row that lies so far away, whose node of the same x is at the index x
+/// @param x       indices of the nodes from −reach to reach along x; beyond a side what stands for them
+template <class Window, class Rows>
+[[nodiscard]] std::array<typename Window::Sum, 3> surfaceSlope(
+  std::uint8_t phase, const Window& window, std::span<const std::int64_t> x, Rows&& row)
+{
+  using Sum = typename Window::Sum;
+  const auto sign = [](int step) { return static_cast<Sum>(step < 0 ? 1 : step > 0 ? -1 : 0); };
+  const int reach = window.reach(0);
+  std::array<Sum, 3> slope{ 0, 0, 0 };
+  for (int dz = -window.reach(2); dz <= window.reach(2); ++dz)
+    for (int dy = -window.reach(1); dy <= window.reach(1); ++dy)
     {
       const std::uint8_t* const ids = row(dy, dz);
-      int fall = 0;
-      int all = 0;
-      for (int dx = -Reach; dx <= Reach; ++dx)
+      Sum fall = 0;
+      Sum all = 0;
+      for (int dx = -reach; dx <= reach; ++dx)
       {
-        const int same = static_cast<int>(ids[x[static_cast<std::size_t>(dx + Reach)]] == phase);
+        const auto same = static_cast<Sum>(ids[x[static_cast<std::size_t>(dx + reach)]] == phase);
         fall += sign(dx) * same;
-        all += weight(dx) * same;
+        all += window.weight(0, dx) * same;
       }
-      slope[0] += weight(dy) * weight(dz) * fall;
-      slope[1] += sign(dy) * weight(dz) * all;
-      slope[2] += sign(dz) * weight(dy) * all;
+      slope[0] += window.weight(1, dy) * window.weight(2, dz) * fall;
+      slope[1] += sign(dy) * window.weight(2, dz) * all;
+      slope[2] += sign(dz) * window.weight(1, dy) * all;
     }
   return slope;
 }

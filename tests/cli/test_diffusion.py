@@ -429,7 +429,14 @@ class Walls(Case):
         pathlib.Path(self.folder, "bare_8x8x8_u8.raw").write_bytes(bytes([0, 0, 0, 0, 1, 1, 1, 1] * 64))
         bare = ["diffusion", "bare_8x8x8_u8.raw", "--phase", "0=matrix", "--phase", "1=inclusion", *words[1:], *good]
         self.fails(2, "does not say its pixel size", "--pixel-size", *bare)
-        self.fails(2, "membranes between voxels with edges of", "square pixels, or cubes", *bare, "--pixel-size", "1um", "--slice-distance", "2um")
+        # layers along x, of voxels four times as long along z
+        flat = [*bare, "--pixel-size", "1um", "--slice-distance", "4um"]
+        answer = self.works(*flat, "--json").json()
+        self.assertAlmostEqual(answer["effective"]["x"] / (8e-6 / (4e-6 * (1 / 2 + 1 / 0.5) + 3e-6)), 1, delta=1e-8)
+        self.assertAlmostEqual(answer["membranes"][0]["area"] * 8e-6, 1, delta=1e-12)
+        for value in ("-1", "nan", "inf"):
+            self.fails(2, "resistance of the membrane matrix-inclusion is " + value, "at least 0", *flat[:-5], "matrix-inclusion=" + value, *flat[-4:])
+        self.fails(2, "membranes between voxels with edges of 2e-05 and 1e-06", "a factor of 16", *flat[:-1], "20um")
         third = ["--phase", "9=air", "--conductivity", "air=1", "--membrane", "air-matrix=1e-6", "--pixel-size", "1um"]
         result = self.run_lamella(*bare, *third)
         self.assertEqual(result.code, 0, result.err)

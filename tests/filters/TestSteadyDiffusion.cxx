@@ -230,10 +230,37 @@ TEST(SteadyDiffusion, MembranesThatCannotBe)
   shares->SetShares(0, 1);
   EXPECT_NE(errorOf(shares).find("membranes between greys"), std::string::npos);
   const auto image = picture(24, 18, 1, layersAcrossX);
-  image->SetSpacing(1, 2, 1);
+  image->SetSpacing(1, 20, 1);
   const auto flat = solver(image, 0);
   flat->SetMembrane("a-b", 1);
-  EXPECT_NE(errorOf(flat).find("edges of 1 and 2"), std::string::npos);
+  EXPECT_NE(errorOf(flat).find("edges of 20 and 1"), std::string::npos);
+}
+
+// As above, along each axis of voxels of edges 1, 2, ½: by lengths, not by spacings.
+TEST(SteadyDiffusion, MembranesBetweenVoxelsOfUnlikeEdges)
+{
+  const std::array<double, 3> edges{ 1e-6, 2e-6, 0.5e-6 };
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const auto image = picture(24, 24, 24,
+      [axis](int x, int y, int z) {
+        return layersAcrossX(axis == 0 ? x : axis == 1 ? y : z, 0, 0);
+      });
+    image->SetSpacing(edges.data());
+    const double edge = edges[static_cast<std::size_t>(axis)];
+    const auto filter = solver(image, axis);
+    filter->SetMembrane("a-b", 2e-6);
+    filter->SetComputeSensitivity(true);
+    ASSERT_EQ(errorOf(filter), "");
+    const double between = 24 * edge / (24 * edge / series + 7 * 2e-6);
+    EXPECT_NEAR(filter->GetEffectiveConductivity()[4 * axis] / between, 1, exact);
+    vtkFieldData* const data = filter->GetOutput()->GetFieldData();
+    EXPECT_NEAR(data->GetArray("membrane_area")->GetTuple1(0) * edge * 24 / 7, 1, 1e-12);
+    EXPECT_NEAR(data->GetArray("bounds")->GetTuple1(0) / between, 1, exact);
+    // ∂K/∂R = −7 K²/L
+    EXPECT_NEAR(
+      data->GetArray("membrane_sensitivity")->GetComponent(0, axis) / (-7 * between * between / (24 * edge)), 1, 1e-5);
+  }
 }
 
 TEST(SteadyDiffusion, SharesComeFromGreysOfAnyType)

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -26,10 +27,10 @@ using namespace lamella::lbm;
 // Three phases in layers across an axis: 0 0 0 1 1 2 2 2 and again; of a cell that repeats 2 meets 0.
 constexpr std::array<std::uint8_t, 8> period{ 0, 0, 0, 1, 1, 2, 2, 2 };
 
-PhaseImage layers(int dimension, int axis, double spacing)
+PhaseImage layers(int dimension, int axis, double spacing, const std::array<double, 3>& aspect = { 1, 1, 1 })
 {
   PhaseImage image;
-  image.lattice = makeLattice(16, 16, dimension == 3 ? 16 : 1, dimension, spacing);
+  image.lattice = makeLattice(16, 16, dimension == 3 ? 16 : 1, dimension, spacing, aspect);
   for (std::int64_t i = 0; i < image.lattice.count(); ++i)
   {
     const std::array<std::int64_t, 3> p{ i % 16, i / 16 % 16, i / 256 };
@@ -63,25 +64,29 @@ double valueOf(const PhaseImage& image, const std::vector<double>& conductivity,
 }
 
 // Resistances in series: the layers' and, of two periods, the membranes that lie within (periodic: all the way round).
-TEST(Membranes, LayersAreExactWithEveryMethodAndRefinement)
+void expectExactLayers(const std::array<double, 3>& aspect, int refinements)
 {
   constexpr double spacing = 1e-5;
   for (const int dimension : { 2, 3 })
     for (int axis = 0; axis < dimension; ++axis)
     {
-      const PhaseImage image = layers(dimension, axis, spacing);
-      const double layersAlone = 2 * spacing * (3 / k[0] + 2 / k[1] + 3 / k[2]);
+      const PhaseImage image = layers(dimension, axis, spacing, aspect);
+      const double edge = image.lattice.spacingAlong(axis);
+      const double layersAlone = 2 * edge * (3 / k[0] + 2 / k[1] + 3 / k[2]);
       for (const Sides sides : { Sides::Insulated, Sides::Periodic, Sides::Mixed })
       {
         const double round = sides == Sides::Periodic ? 2 : 1; // times 2 meets 0
-        const double across = 16 * spacing / (layersAlone + 2 * 3e-5 + 2 * 2e-6 + round * 1e-4);
+        const double across = 16 * edge / (layersAlone + 2 * 3e-5 + 2 * 2e-6 + round * 1e-4);
         const double beside = (3 * k[0] + 2 * k[1] + 3 * k[2]) / 8;
         for (const Method method : { Method::Auto, Method::Multigrid, Method::AlgebraicMultigrid, Method::LeanMultigrid,
                Method::PieceMultigrid })
-          for (const int refinement : { 1, 2, 3 })
+          for (int refinement = 1; refinement <= refinements; ++refinement)
           {
             if (dimension == 3 && refinement == 3)
               continue; // seconds for nothing new
+            const std::vector<double> edges(aspect.begin(), aspect.begin() + dimension);
+            if (method == Method::LeanMultigrid && std::ranges::max(edges) > 2 * std::ranges::min(edges))
+              continue; // piece multigrid's
             StudyOptions o = along(axis, dimension, sides, method);
             o.refinement = refinement;
             const std::string what = std::to_string(dimension) + " dimensions, axis " + std::to_string(axis) +
@@ -94,6 +99,18 @@ TEST(Membranes, LayersAreExactWithEveryMethodAndRefinement)
           }
       }
     }
+}
+
+TEST(Membranes, LayersAreExactWithEveryMethodAndRefinement)
+{
+  expectExactLayers({ 1, 1, 1 }, 3);
+}
+
+TEST(Membranes, LayersOfVoxelsWithUnlikeEdgesAreAsExact)
+{
+  expectExactLayers({ 1, 2, 1 }, 1); // every method
+  expectExactLayers({ 1, 2, 0.5 }, 2);
+  expectExactLayers({ 1, 0.125, 2 }, 1);
 }
 
 TEST(Membranes, NoResistanceIsNone)
@@ -173,6 +190,52 @@ TEST(Membranes, SpheresConvergeToTheMultipoles)
   }
 }
 
+// The same, sampled at the middles of voxels of edges 1:1:2 and 1:2:½, along every axis: nearer than cubes of the
+// longest edge (measured: 1.3 to 1.5 times the error of those of the edge that is 1).
+TEST(Membranes, SpheresOfVoxelsWithUnlikeEdges)
+{
+  struct Sphere
+  {
+    double contrast, resistance, truth;
+  };
+  const double radius = std::cbrt(0.9 / (4 * std::numbers::pi));
+  for (const Sphere& s : { Sphere{ 0.1, 1, 0.65177310 }, Sphere{ 10, 0.1, 1.62473996 }, Sphere{ 10, 0.9, 1 },
+         Sphere{ 10, 10, 0.65556239 }, Sphere{ 1000, 1, 0.99970023 } })
+  {
+    StudyOptions o = along(0, 3, Sides::Periodic, Method::Auto);
+    o.steady.tolerance = 1e-6;
+    o.membranes = { { 0, 1, s.resistance * radius } };
+    const auto worst = [&](const std::array<double, 3>& aspect, double n)
+    {
+      PhaseImage image;
+      const auto nodes = [&](std::size_t a) { return std::lround(n / aspect[a]); };
+      image.lattice = makeLattice(nodes(0), nodes(1), nodes(2), 3, 1 / n, aspect);
+      for (std::int64_t i = 0; i < image.lattice.count(); ++i)
+      {
+        const auto from = [&](std::int64_t at, int axis, double centre)
+        {
+          const double d = (static_cast<double>(at) + 0.5) * image.lattice.spacingAlong(axis) - centre;
+          return d - std::round(d);
+        };
+        const double distance = std::hypot(
+          from(i % nodes(0), 0, 0.5), from(i / nodes(0) % nodes(1), 1, 0.513), from(i / nodes(0) / nodes(1), 2, 0.479));
+        image.phase.push_back(distance < radius ? 1 : 0);
+      }
+      double error = 0;
+      for (const int axis : { 0, 1, 2 })
+      {
+        o.axes = { axis };
+        error = std::max(error, std::abs(valueOf(image, { 1, s.contrast }, o) / s.truth - 1));
+      }
+      return error;
+    };
+    const double cubes = worst({ 1, 1, 1 }, 32);
+    EXPECT_LT(cubes, 0.025); // as above
+    for (const auto& aspect : { std::array{ 1.0, 1.0, 2.0 }, std::array{ 1.0, 2.0, 0.5 } })
+      EXPECT_LT(worst(aspect, 64), cubes) << s.contrast << ", " << s.resistance << ", " << aspect[1];
+  }
+}
+
 // Noise and a sphere; resistances of a hundredth to a million times what a voxel has. Where faces insulate next to
 // altogether a method that was asked for may give up, and says so; none errs by more than it was asked for.
 TEST(Membranes, EveryMethodGivesTheSame)
@@ -181,7 +244,12 @@ TEST(Membranes, EveryMethodGivesTheSame)
   sphere.lattice = makeLattice(24, 24, 24, 3, 1.0);
   for (const double share : test::sphereShares(24, 0.3, { 0.4, 0.5, 0.6 }, 4))
     sphere.phase.push_back(share >= 0.5 ? 1 : 0);
-  for (const PhaseImage& image : { sphere, test::noise(16, 18, 20, 0.4, 5) })
+  PhaseImage flat = sphere; // an ellipsoid
+  flat.lattice.aspect = { 1, 2, 1.5 };
+  PhaseImage noise = test::noise(16, 18, 20, 0.4, 5);
+  PhaseImage flatNoise = noise;
+  flatNoise.lattice.aspect = { 1, 1, 2 };
+  for (const PhaseImage& image : { sphere, noise, flat, flatNoise })
     for (const double resistance : { 0.01, 1.0, 100.0, 1e6 })
       for (const Sides sides : { Sides::Insulated, Sides::Periodic })
       {
@@ -232,18 +300,17 @@ TEST(Membranes, AVeryLargeResistanceLetsNothingThrough)
     valueOf(layers(2, 0, 1e-5), k, o) / (16e-5 / (2 * 100 + 2e-5 * (3 / k[0] + 2 / k[1] + 3 / k[2]))), 1, 1e-9);
 }
 
-TEST(Membranes, DerivativesAreThoseOfSolves)
+void expectDerivatives(const PhaseImage& image, int axis)
 {
-  const PhaseImage image = disk(32, 0.4, { 0.45, 0.55 });
   const std::vector<double> conductivity{ 1, 8 };
-  StudyOptions o = along(0, 2, Sides::Periodic, Method::Auto);
+  StudyOptions o = along(axis, 2, Sides::Periodic, Method::Auto);
   o.steady.tolerance = 1e-11;
   o.steady.fieldTolerance = 1e-9;
   o.derivatives = true;
   o.membranes = { { 0, 1, 0.2 } };
   const DiffusionAnswer answer = studyDiffusion(image, conductivity, o, MPI_COMM_SELF).front();
   const ConductivityDerivatives& by = answer.derivatives;
-  const double value = answer.result.effective[0];
+  const double value = answer.result.effective[static_cast<std::size_t>(axis)];
   ASSERT_EQ(by.membranes.size(), 1U);
   // K is homogeneous: conductivities times c and resistances over c give c K
   EXPECT_NEAR((by.along[0] + 8 * by.along[1] - 0.2 * by.membranes[0]) / value, 1, 1e-9);
@@ -259,6 +326,43 @@ TEST(Membranes, DerivativesAreThoseOfSolves)
   EXPECT_NEAR(by.membranes[0] / byResistance, 1, 1e-6);
   EXPECT_NEAR(by.along[1] / byConductivity, 1, 1e-6);
   EXPECT_LT(by.membranes[0], 0);
+}
+
+TEST(Membranes, DerivativesAreThoseOfSolves)
+{
+  PhaseImage image = disk(32, 0.4, { 0.45, 0.55 });
+  expectDerivatives(image, 0);
+  image.lattice.aspect = { 1, 2.5, 1 };
+  expectDerivatives(image, 0);
+  expectDerivatives(image, 1);
+}
+
+// By every method: those of the lean ones are in single precision (3e-5, as DiffusionDerivatives has it).
+TEST(Membranes, DerivativesOfUnlikeEdgesAddUpWithEveryMethod)
+{
+  PhaseImage image = test::noise(16, 18, 20, 0.4, 5);
+  image.lattice.aspect = { 1, 2, 1.5 };
+  for (const int axis : { 0, 1, 2 })
+  {
+    std::vector<double> byMethod;
+    for (const Method method :
+      { Method::AlgebraicMultigrid, Method::Multigrid, Method::LeanMultigrid, Method::PieceMultigrid })
+    {
+      StudyOptions o = along(axis, 3, Sides::Insulated, method);
+      const bool lean = method == Method::LeanMultigrid || method == Method::PieceMultigrid;
+      o.steady.tolerance = lean ? 1e-7 : 1e-9;
+      o.steady.fieldTolerance = lean ? std::numeric_limits<double>::infinity() : 1e-7;
+      o.derivatives = true;
+      o.membranes = { { 0, 1, 0.7 } };
+      const DiffusionAnswer answer = studyDiffusion(image, std::vector{ 1.0, 8.0 }, o, MPI_COMM_SELF).front();
+      const ConductivityDerivatives& by = answer.derivatives;
+      const double value = answer.result.effective[static_cast<std::size_t>(axis)];
+      // homogeneous, whatever the field
+      EXPECT_NEAR((by.along[0] + 8 * by.along[1] - 0.7 * by.membranes[0]) / value, 1, 1e-6) << name(method);
+      byMethod.push_back(0.7 * by.membranes[0] / value);
+      EXPECT_NEAR(byMethod.back(), byMethod.front(), lean ? 3e-5 : 1e-6) << name(method);
+    }
+  }
 }
 
 TEST(Membranes, TheErrorBarCountsThem)
@@ -307,6 +411,71 @@ TEST(Membranes, AreaOfPlanesAtAnyAngle)
   }
 }
 
+// The same of voxels of unlike edges, around which windows are as long in lengths as of cubes.
+TEST(Membranes, AreaOfPlanesOfUnlikeEdges)
+{
+  constexpr std::int64_t n = 96;
+  for (const auto& aspect : { std::array{ 1.0, 1.0, 2.0 }, std::array{ 1.0, 2.0, 0.5 }, std::array{ 1.0, 1.0, 5.0 } })
+    for (const auto& wave : { std::array{ 0, 0, 1 }, std::array{ 1, 0, 1 }, std::array{ 1, 1, 1 },
+           std::array{ 1, 2, 0 }, std::array{ 1, 0, 3 } })
+    {
+      PhaseImage image;
+      image.lattice = makeLattice(n, n, n, 3, 1.0, aspect);
+      for (std::int64_t z = 0; z < n; ++z)
+        for (std::int64_t y = 0; y < n; ++y)
+          for (std::int64_t x = 0; x < n; ++x)
+            image.phase.push_back((wave[0] * x + wave[1] * y + wave[2] * z) % n < n / 2 ? 0 : 1);
+      const Membrane membrane{ 0, 1, 1 };
+      const MembraneIds ids = membraneIds(image, 1, { &membrane, 1 }, { true, true, true });
+      // two planes a period, which is n over the length of the normal: waves over edges
+      double square = 0;
+      for (std::size_t a = 0; a < 3; ++a)
+        square += std::pow(wave[a] / aspect[a], 2);
+      const bool flat = wave[0] == 0;
+      EXPECT_NEAR(ids.area[0] * static_cast<double>(n) / (2 * std::sqrt(square)), 1, flat ? 1e-12 : 0.017)
+        << aspect[1] << ", " << aspect[2] << ": " << wave[0] << wave[1] << wave[2];
+      EXPECT_EQ(ids.phase.size() == 2, flat);
+    }
+}
+
+// Layers whose normal leads through the corners of pixels twice as long along y, and of others: along the normal
+// resistances in series, in the layers conductivities side by side. Steps err at the first order; without that the
+// area's 1.1 % are left.
+TEST(Membranes, LayersAtAnAngleOfUnlikeEdges)
+{
+  for (const auto& wave : { std::array{ 1, 1 }, std::array{ 1, 2 }, std::array{ 2, 1 } })
+    for (const double resistance : { 0.1, 1.0, 10.0 })
+    {
+      const std::array<double, 3> aspect{ 1, 2, 1 };
+      const double wx = wave[0];
+      const double wy = wave[1] / aspect[1];
+      const double square = wx * wx + wy * wy;
+      const double repeat = 1 / std::sqrt(square); // in a cell of 1 × 2
+      StudyOptions o = along(0, 2, Sides::Periodic, Method::Auto);
+      o.membranes = { { 0, 1, resistance * repeat } };
+      const double across = 1 / (0.5 + 0.5 / 10 + 2 * resistance);
+      const double beside = 5.5;
+      const auto error = [&](std::int64_t n, int axis)
+      {
+        PhaseImage image;
+        image.lattice = makeLattice(n, n, 1, 2, 1 / static_cast<double>(n), aspect);
+        for (std::int64_t y = 0; y < n; ++y)
+          for (std::int64_t x = 0; x < n; ++x)
+            image.phase.push_back((wave[0] * x + wave[1] * y) % n < n / 2 ? 0 : 1);
+        o.axes = { axis };
+        const double part = (axis == 0 ? wx * wx : wy * wy) / square; // of the normal
+        return valueOf(image, { 1, 10 }, o) / (beside + (across - beside) * part) - 1;
+      };
+      for (const int axis : { 0, 1 })
+      {
+        const double fine = error(128, axis);
+        const std::string what = std::to_string(wave[0]) + std::to_string(wave[1]) + ", " + std::to_string(resistance);
+        EXPECT_LT(std::abs(fine), 0.03) << what; // measured: 0.7 to 2.7 %
+        EXPECT_NEAR(2 * fine - error(64, axis), 0, 0.011) << what;
+      }
+    }
+}
+
 TEST(Membranes, WhatCannotBeIsRefused)
 {
   const PhaseImage image = layers(2, 0, 1e-5);
@@ -324,10 +493,19 @@ TEST(Membranes, WhatCannotBeIsRefused)
   StudyOptions o = along(0, 2, Sides::Insulated, Method::Auto);
   o.steady.stencil = Stencil::D2Q9;
   EXPECT_THROW((void)studyDiffusion(image, k, o, MPI_COMM_SELF), ParameterError);
+  o.steady.stencil = Stencil::D2Q5;
+  EXPECT_THROW((void)studyDiffusion(image, std::vector{ 2.0, 0.3 }, o, MPI_COMM_SELF), ParameterError); // phase 2
   PhaseImage flat = image;
-  flat.lattice.aspect = { 1, 2, 1 };
+  flat.lattice.aspect = { 1, 17, 1 }; // no normals by five nodes along the long edge
   EXPECT_THROW(
     (void)studyDiffusion(flat, k, along(0, 2, Sides::Insulated, Method::Auto), MPI_COMM_SELF), ParameterError);
+  flat.lattice.aspect = { 1, 2, 1 };
+  for (const double resistance : { -1.0, std::numeric_limits<double>::quiet_NaN() })
+  {
+    StudyOptions bad = along(0, 2, Sides::Insulated, Method::Auto);
+    bad.membranes = { { 0, 1, resistance } };
+    EXPECT_THROW((void)studyDiffusion(flat, k, bad, MPI_COMM_SELF), ParameterError);
+  }
 }
 
 } // namespace

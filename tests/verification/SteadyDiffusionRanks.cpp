@@ -2,9 +2,12 @@
 // the decomposition; within the tolerance with algebraic multigrid, whose aggregates do.
 #include "Diffusion.h"
 
+#include "core/Error.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace
 {
@@ -89,6 +92,46 @@ TEST(Ranks, GiveTheSame3D)
       }
   compare(noise(20, 2, 33, 0.5, 3), { 0.1, 1.0 }, { .axis = 1 });
   compare(noise(25, 31, 45, 0.5, 3), { 0.1, 1.0 }, { .axis = 1, .sides = lbm::Sides::Periodic });
+}
+
+// In one rank's block alone: told by all, or the others would wait for it.
+TEST(Ranks, APhaseWithoutConductivityIsRefusedByAll)
+{
+  int initialized = 0;
+  MPI_Initialized(&initialized);
+  const MPI_Comm world = initialized != 0 ? MPI_COMM_WORLD : MPI_COMM_SELF;
+  PhaseImage image = noise(8, 24, 24, 0.5, 3);
+  image.phase.back() = 2;
+  EXPECT_THROW((void)solve(image, { 0.1, 1.0 }, {}, world), ParameterError);
+}
+
+// Links by the axis, too: lean methods within what they are asked for.
+TEST(Ranks, MembranesOfVoxelsWithUnlikeEdges)
+{
+  int initialized = 0;
+  MPI_Initialized(&initialized);
+  PhaseImage image = noise(24, 32, 40, 0.4, 5);
+  image.lattice.aspect = { 1, 1.5, 0.75 };
+  for (const auto method : { lbm::Method::LeanMultigrid, lbm::Method::PieceMultigrid, lbm::Method::Multigrid,
+         lbm::Method::AlgebraicMultigrid })
+    for (const int axis : { 0, 1, 2 })
+    {
+      lbm::StudyOptions o;
+      o.axes = { axis };
+      o.steady = optionsOf(image, { .sides = lbm::Sides::Periodic, .method = method, .tolerance = 1e-7 });
+      o.steady.fieldTolerance = std::numeric_limits<double>::infinity();
+      o.estimateError = false;
+      o.derivatives = true;
+      o.membranes = { { 0, 1, 0.5 } };
+      const std::vector<double> d{ 1, 20 };
+      const auto one = lbm::studyDiffusion(image, d, o, MPI_COMM_SELF).front();
+      const auto all = lbm::studyDiffusion(image, d, o, initialized != 0 ? MPI_COMM_WORLD : MPI_COMM_SELF).front();
+      const double value = one.result.effective[static_cast<std::size_t>(axis)];
+      EXPECT_EQ(all.result.method, method);
+      EXPECT_NEAR(all.result.effective[static_cast<std::size_t>(axis)] / value, 1, 2e-7) << lbm::name(method);
+      // as exact as the root of the tolerance
+      EXPECT_NEAR(all.derivatives.membranes[0] / one.derivatives.membranes[0], 1, 5e-4) << lbm::name(method);
+    }
 }
 
 } // namespace

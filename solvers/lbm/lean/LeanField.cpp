@@ -45,16 +45,24 @@ std::vector<std::uint8_t> idsOf(const Problem& problem)
   return ids;
 }
 
-// Of more than two phases: a row of 256 for each.
+// Two phases, whose links are the same along all axes.
+bool onlyTwo(const Links& links, std::span<const std::uint8_t> ids)
+{
+  return ids.size() <= 2 && links.tables() == 1;
+}
+
+// Of others: a row of 256 for each, table by table.
 std::vector<double> pairsOf(const Links& links, std::span<const std::uint8_t> ids)
 {
   std::vector<double> pairs;
-  if (ids.size() <= 2)
+  if (onlyTwo(links, ids))
     return pairs;
-  pairs.assign((std::size_t{ ids.back() } + 1) * 256, 0.0);
-  for (const std::uint8_t a : ids)
-    for (const std::uint8_t b : ids)
-      pairs[std::size_t{ a } * 256 + b] = links.mean(a, b);
+  const std::size_t one = (std::size_t{ ids.back() } + 1) * 256;
+  pairs.assign(links.tables() * one, 0.0);
+  for (std::size_t table = 0; table < links.tables(); ++table)
+    for (const std::uint8_t a : ids)
+      for (const std::uint8_t b : ids)
+        pairs[table * one + std::size_t{ a } * 256 + b] = links.mean(a, b, static_cast<int>(table));
   return pairs;
 }
 
@@ -62,15 +70,20 @@ PhaseLinks tableOf(const Links& links, std::span<const std::uint8_t> ids, const 
   const std::vector<float>& single)
 {
   PhaseLinks table;
-  table.two = ids.size() <= 2;
-  table.table = pairs.data();
-  table.single = single.data();
+  table.two = onlyTwo(links, ids);
+  table.byAxis = links.tables() > 1;
+  for (int axis = 0; axis < 3; ++axis)
+  {
+    const std::size_t begin = links.table(axis) * (pairs.size() / links.tables());
+    table.table[axis] = pairs.data() + begin;
+    table.single[axis] = single.data() + begin;
+  }
   if (table.two)
   {
     table.second = ids.back();
-    table.both[0] = links.mean(ids.front(), ids.front());
-    table.both[1] = links.mean(ids.front(), ids.back());
-    table.both[2] = links.mean(ids.back(), ids.back());
+    table.both[0] = links.mean(ids.front(), ids.front(), 0);
+    table.both[1] = links.mean(ids.front(), ids.back(), 0);
+    table.both[2] = links.mean(ids.back(), ids.back(), 0);
   }
   return table;
 }
@@ -264,9 +277,9 @@ void LeanField::linkRow(int d, std::int64_t y, std::int64_t z, float* out) const
   const bool fixed = links_.boundary(d) == Boundary::Fixed;
   if (d == 0)
   {
-    phaseKernels().links(table_, g.nx - 1, here, here + 1, out + 1);
+    phaseKernels().links(table_, 0, g.nx - 1, here, here + 1, out + 1);
     const bool wraps = links_.boundary(0) == Boundary::Periodic;
-    out[0] = wraps ? static_cast<float>(links_.mean(here[g.nx - 1], here[0])) : fixed ? wall(here[0]) : 0.0F;
+    out[0] = wraps ? static_cast<float>(links_.mean(here[g.nx - 1], here[0], 0)) : fixed ? wall(here[0]) : 0.0F;
     out[g.nx] = wraps ? out[0] : fixed ? wall(here[g.nx - 1]) : 0.0F;
     return;
   }
@@ -276,7 +289,7 @@ void LeanField::linkRow(int d, std::int64_t y, std::int64_t z, float* out) const
   const bool below = from < 0;
   if ((from >= 0 && from < rows - 1) || level_.halo.inside(d, below ? -1 : 1))
   {
-    phaseKernels().links(table_, g.nx, here, d == 1 ? phases_(y + 1, z) : phases_(y, z + 1), out + 1);
+    phaseKernels().links(table_, d, g.nx, here, d == 1 ? phases_(y + 1, z) : phases_(y, z + 1), out + 1);
     if (const auto factor = static_cast<float>(links_.factor(d)); factor != 1.0F)
       for (std::int64_t x = 0; x < g.nx; ++x)
         out[x + 1] *= factor;
@@ -302,9 +315,9 @@ void LeanField::countConductance()
       if (axis == 0)
       {
         for (std::int64_t x = 0; x + 1 < g.nx; ++x)
-          sum[x + 1] += links_.mean(here[x], here[x + 1]);
+          sum[x + 1] += links_.mean(here[x], here[x + 1], 0);
         if (periodic)
-          sum[0] += links_.mean(here[g.nx - 1], here[0]);
+          sum[0] += links_.mean(here[g.nx - 1], here[0], 0);
         else
         {
           sum[0] += links_.wall(here[0], axis);
@@ -324,7 +337,7 @@ void LeanField::countConductance()
       {
         const std::uint8_t* there = axis == 1 ? phases_(y + 1, z) : phases_(y, z + 1);
         sum[p == n - 1 ? 0 : p + 1] +=
-          total([&](std::int64_t x) { return links_.factor(axis) * links_.mean(here[x], there[x]); });
+          total([&](std::int64_t x) { return links_.factor(axis) * links_.mean(here[x], there[x], axis); });
       }
       for (const std::int64_t face : { std::int64_t{ 0 }, n - 1 })
         if (!periodic && p == face)
@@ -576,7 +589,7 @@ void LeanField::flux(std::span<double> out, Layers layers) const
           {
             other = wraps ? (other + g.nx) % g.nx : other;
             to[3 * x + d] +=
-              factor * links_.mean(here[x], there[other]) * (own - static_cast<double>(w[g.node(other)]) + fall);
+              factor * links_.mean(here[x], there[other], d) * (own - static_cast<double>(w[g.node(other)]) + fall);
           }
           else if (links_.boundary(d) == Boundary::Fixed) // half a drop away
             to[3 * x + d] += unit[a] * step * links_.wall(here[x], d) * (own + 0.5 * fall);
@@ -589,7 +602,7 @@ std::vector<double> LeanField::linkEnergies() const
 {
   const Grid& g = level_.grid;
   const std::size_t ids = problem_.diffusivity.size();
-  const std::size_t sums = table_.two ? 3 : ids * ids;
+  const std::size_t sums = table_.two ? 3 : links_.tables() * ids * ids;
   const std::int64_t rows = g.ny * g.nz;
   const std::int64_t parts = std::clamp<std::int64_t>(rows, 1, sumParts);
   std::vector<double> byPart(static_cast<std::size_t>(parts) * sums, 0.0);
@@ -601,18 +614,20 @@ std::vector<double> LeanField::linkEnergies() const
         if (g.count(half) > 0)
           phaseKernels().addEnergies(
             table_, row(i % g.ny, i / g.ny, half), ids, byPart.data() + static_cast<std::size_t>(part) * sums);
-  std::vector<double> all(ids * ids, 0.0);
+  std::vector<double> all(links_.tables() * ids * ids, 0.0);
   for (std::size_t i = 0; i < byPart.size(); ++i)
   {
     const std::size_t pair = i % sums;
-    std::size_t a = pair / ids;
+    std::size_t table = pair / (ids * ids);
+    std::size_t a = pair / ids % ids;
     std::size_t b = pair % ids;
     if (table_.two)
     {
+      table = 0;
       a = pair == 2 ? ids_.back() : ids_.front();
       b = pair == 0 ? ids_.front() : ids_.back();
     }
-    all[std::min(a, b) * ids + std::max(a, b)] += byPart[i];
+    all[(table * ids + std::min(a, b)) * ids + std::max(a, b)] += byPart[i];
   }
   problem_.comm.sum(all);
   return all;

@@ -91,7 +91,7 @@ private:
   Level level_;
   PhaseRows phases_;
   std::vector<std::uint8_t> ids_;
-  std::vector<double> pairs_; ///< links by both ids, 256 a row; empty where there are two
+  std::vector<double> pairs_; ///< links by both ids, 256 a row, by axis as links_ has them; empty where there are two
   std::vector<float> pairsSingle_;
   PhaseLinks table_;
   FloatArray v_;

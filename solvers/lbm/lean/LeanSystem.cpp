@@ -173,6 +173,7 @@ public:
     const double differing = contrast();
     const double amplification = differing > mild ? amplified * std::sqrt(differing) : safety;
     double energy = energyNow();
+    profileEnergy_ = sums.energy;
     double fall = std::numeric_limits<double>::quiet_NaN(); // of the energy in a cycle, relative
     double rate = fall;                                     // of the falls
     int slow = 0;
@@ -190,7 +191,8 @@ public:
         fail(result, "");
       const double fallBefore = std::exchange(fall, (std::exchange(energy, now) - now) / now);
       const double rateBefore = std::exchange(rate, fall / fallBefore);
-      if (std::abs(fall) <= mayBeRoundOff)
+      const bool lost = isLost(sums);
+      if (std::abs(fall) <= mayBeRoundOff && !lost)
         if (const double noise = field_.roundOff() / sums.energy; std::abs(fall) <= safety * noise)
         {
           result.solverError = amplification * noise;
@@ -199,12 +201,12 @@ public:
           break;
         }
       // A cycle does not raise the energy but by round-off, which tells nothing of what is left.
-      const bool rises = fall < 0;
+      const bool rises = fall < 0 || lost;
       slow = rate > correction_.slowest() || rate < 0 || rises ? slow + 1 : 0;
       if (slow == patience)
       {
         const bool rounded =
-          std::abs(fall) <= std::max(mayBeRoundOff, 10 * amplification * field_.roundOff() / sums.energy);
+          !lost && std::abs(fall) <= std::max(mayBeRoundOff, 10 * amplification * field_.roundOff() / sums.energy);
         result.solverError = rounded ? safety * std::abs(fall) : 1.0;
         if (rounded && Correction::method == Method::PieceMultigrid)
           return refined(result, target);
@@ -278,6 +280,12 @@ public:
   }
 
 private:
+  // Cycles that diverge leave a field worse than the linear profile that they began with. Balanced, it is that of the
+  // planes alone, whose energy no cycle changes: as if all were solved.
+  [[nodiscard]] bool isLost(const FieldSums& sums) const
+  {
+    return !(sums.energy <= profileEnergy_ * (1 + mayBeRoundOff));
+  }
   [[nodiscard]] bool memoryForDouble() const
   {
     const double more = static_cast<double>(problem_.parts.block().count()) * 14;
@@ -346,13 +354,15 @@ private:
       rates = { rates[1], rates[2], before > 0 ? std::abs(fall) / before : 1.0 };
       const double rate = std::max(std::ranges::max(rates), Correction::leastRate);
       // where nothing falls any more it is double precision that ends it
-      result.solverError = std::abs(fall) < leastTarget ? leastTarget
-        : rate < 1                                      ? safety * std::abs(fall) * rate / (1 - rate)
-                                                        : 1.0;
+      const bool lost = isLost(sums);
+      result.solverError = lost        ? 1.0
+        : std::abs(fall) < leastTarget ? leastTarget
+        : rate < 1                     ? safety * std::abs(fall) * rate / (1 - rate)
+                                       : 1.0;
       reportProgress(problem.options, problem.comm, progressOf(result.solverError, target), "solving");
       if (result.solverError <= target)
         break;
-      slow = rates[2] > correction_.slowest() ? slow + 1 : 0;
+      slow = rates[2] > correction_.slowest() || lost ? slow + 1 : 0;
       if (slow == 2 * patience)
         fail(result, Correction::tooMuch);
     }
@@ -376,13 +386,14 @@ private:
   {
     double least = std::numeric_limits<double>::infinity();
     double most = 0;
-    for (const std::uint8_t a : field_.ids())
-      for (const std::uint8_t b : field_.ids())
-        if (const double link = field_.links().mean(a, b); link > 0)
-        {
-          least = std::min(least, link);
-          most = std::max(most, link);
-        }
+    for (std::size_t table = 0; table < field_.links().tables(); ++table)
+      for (const std::uint8_t a : field_.ids())
+        for (const std::uint8_t b : field_.ids())
+          if (const double link = field_.links().mean(a, b, static_cast<int>(table)); link > 0)
+          {
+            least = std::min(least, link);
+            most = std::max(most, link);
+          }
     return most > 0 ? most / least : 1.0;
   }
 
@@ -445,6 +456,7 @@ private:
   mutable std::optional<double> mean_;          ///< of the field, once it was asked for
   Correction correction_;
   std::unique_ptr<BoxField> exact_; ///< in double, where single precision was too little
+  double profileEnergy_ = 0;        ///< of the linear profile
 };
 
 } // namespace

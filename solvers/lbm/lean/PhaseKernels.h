@@ -14,9 +14,10 @@ struct PhaseLinks
   bool two = false;             ///< only two phase ids occur: the values below
   std::uint8_t second = 0;      ///< the id of the second of them
   double both[3] = { 1, 1, 1 }; ///< first with first, first with second, second with second
-  /// Any ids: a link is table[256 a + b].
-  const double* table = nullptr;
-  const float* single = nullptr;
+  /// Any ids: a link along an axis is table[axis][256 a + b].
+  bool byAxis = false; ///< not one table for all axes
+  const double* table[3] = { nullptr, nullptr, nullptr };
+  const float* single[3] = { nullptr, nullptr, nullptr };
 };
 
 /// A node or wall beside a half-row, or nothing: weight 0. A wall: the row's own phases, values of 0, twice the weight
@@ -75,10 +76,12 @@ struct PhaseKernels
   /// i-th element.
   void (*addSums)(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, double* planes);
   /// Adds g Δ² of the links that addSums sums to those of their ends' phases a and b: sums[ids a + b] of any, which may
-  /// be b's and a's too; of two phases, sums[0], sums[1], sums[2] as PhaseLinks::both.
+  /// be b's and a's too, ids² further an axis where tables differ; of two phases, sums[0], sums[1], sums[2] as
+  /// PhaseLinks::both.
   void (*addEnergies)(const PhaseLinks& links, const PhaseRow& row, std::size_t ids, double* sums);
-  /// out[x] = link from phase a[x] to phase b[x], n of them.
-  void (*links)(const PhaseLinks& links, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, float* out);
+  /// out[x] = link along an axis from phase a[x] to phase b[x], n of them.
+  void (*links)(
+    const PhaseLinks& links, int axis, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, float* out);
   /// even[i] += coarse[i], odd[i] += coarse[i].
   void (*addToBoth)(std::int64_t evens, std::int64_t odds, const float* coarse, float* even, float* odd);
 };

@@ -59,16 +59,20 @@ struct Select
   // Plain numbers: compilers keep a structure of two in memory, and vectorise nothing then.
   Bits own(int id) const { return t00 ^ (mask(id, second) & to01); }
   Bits change(int id) const { return to01 ^ (mask(id, second) & (to01 ^ to11)); }
-  Real link(Bits own, Bits change, int id) const { return __builtin_bit_cast(Real, own ^ (mask(id, second) & change)); }
+  template <int Axis>
+  Real link(Bits own, Bits change, int id) const
+  {
+    return __builtin_bit_cast(Real, own ^ (mask(id, second) & change));
+  }
 };
 
-inline const float* tableOf(const PhaseLinks& l, float)
+inline const float* tableOf(const PhaseLinks& l, int axis, float)
 {
-  return l.single;
+  return l.single[axis];
 }
-inline const double* tableOf(const PhaseLinks& l, double)
+inline const double* tableOf(const PhaseLinks& l, int axis, double)
 {
-  return l.table;
+  return l.table[axis];
 }
 
 template <class Real>
@@ -76,18 +80,41 @@ struct Lookup
 {
   const Real* table;
   explicit Lookup(const PhaseLinks& l)
-    : table(tableOf(l, Real{}))
+    : table(tableOf(l, 0, Real{}))
   {
   }
   int own(int id) const { return 256 * id; }
   int change(int) const { return 0; }
-  Real link(int own, int, int id) const { return table[own + id]; }
+  template <int Axis>
+  Real link(int own, int, int id) const
+  {
+    return table[own + id];
+  }
 };
 
-template <class Table>
+template <class Real>
+struct LookupByAxis
+{
+  const Real *x, *y, *z;
+  explicit LookupByAxis(const PhaseLinks& l)
+    : x(tableOf(l, 0, Real{}))
+    , y(tableOf(l, 1, Real{}))
+    , z(tableOf(l, 2, Real{}))
+  {
+  }
+  int own(int id) const { return 256 * id; }
+  int change(int) const { return 0; }
+  template <int Axis>
+  Real link(int own, int, int id) const
+  {
+    return (Axis == 0 ? x : Axis == 1 ? y : z)[own + id];
+  }
+};
+
+template <int Axis, class Table>
 inline auto between(const Table& table, int a, int b)
 {
-  return table.link(table.own(a), table.change(a), b);
+  return table.template link<Axis>(table.own(a), table.change(a), b);
 }
 
 // A Gauss-Seidel half sweep over a half-row, or its residual added to `out`.
@@ -108,7 +135,7 @@ void relaxWith(const PhaseLinks& links, const PhaseRow& row, float* out)
 
   const auto end = [&](std::int64_t i, std::int64_t x)
   {
-    const auto node = [&](int id) { return table.link(table.own(row.phase[x]), table.change(row.phase[x]), id); };
+    const auto node = [&]<int Axis>(int id) { return between<Axis>(table, row.phase[x], id); };
     const float u = own[i];
     float s = Sourced ? row.source[i] : 0.0F;
     float d = 0;
@@ -118,15 +145,20 @@ void relaxWith(const PhaseLinks& links, const PhaseRow& row, float* out)
       d += g;
     };
     if (x > 0)
-      link(node(row.phase[x - 1]), west[i], -step);
+      link(node.template operator()<0>(row.phase[x - 1]), west[i], -step);
     else
-      link(row.low.weight * node(row.low.phase), row.low.value, row.low.offset);
+      link(row.low.weight * node.template operator()<0>(row.low.phase), row.low.value, row.low.offset);
     if (x < nx - 1)
-      link(node(row.phase[x + 1]), east[i], step);
+      link(node.template operator()<0>(row.phase[x + 1]), east[i], step);
     else
-      link(row.high.weight * node(row.high.phase), row.high.value, row.high.offset);
-    for (const RowSide& side : row.side)
-      link(side.weight * node(side.phase[x]), side.value[i], side.offset);
+      link(row.high.weight * node.template operator()<0>(row.high.phase), row.high.value, row.high.offset);
+    for (int k = 0; k < 4; ++k)
+    {
+      const RowSide& side = row.side[k];
+      const int id = side.phase[x];
+      link(side.weight * (k < 2 ? node.template operator()<1>(id) : node.template operator()<2>(id)), side.value[i],
+        side.offset);
+    }
     if constexpr (Residual)
       out[i] += s;
     else
@@ -154,12 +186,12 @@ void relaxWith(const PhaseLinks& links, const PhaseRow& row, float* out)
       const auto mine = table.own(id);
       const auto change = table.change(id);
       const float u = own[i];
-      const float gw = table.link(mine, change, lowOf(before, i));
-      const float ge = table.link(mine, change, highOf(after, i));
-      const float gs = ws * table.link(mine, change, beside(ps, i));
-      const float gn = wn * table.link(mine, change, beside(pn, i));
-      const float gb = wb * table.link(mine, change, beside(pb, i));
-      const float gt = wt * table.link(mine, change, beside(pt, i));
+      const float gw = table.template link<0>(mine, change, lowOf(before, i));
+      const float ge = table.template link<0>(mine, change, highOf(after, i));
+      const float gs = ws * table.template link<1>(mine, change, beside(ps, i));
+      const float gn = wn * table.template link<1>(mine, change, beside(pn, i));
+      const float gb = wb * table.template link<2>(mine, change, beside(pb, i));
+      const float gt = wt * table.template link<2>(mine, change, beside(pt, i));
       // differences first: else round-off stops the flux at 1e-6
       float s = gw * (west[i] - u - step) + ge * (east[i] - u + step) + gs * (vs[i] - u + os) + gn * (vn[i] - u + on) +
         gb * (vb[i] - u + ob) + gt * (vt[i] - u + ot);
@@ -188,6 +220,9 @@ void relaxOf(const PhaseLinks& links, const PhaseRow& row, float* out)
   if (links.two)
     sourced ? relaxWith<Select<float>, Residual, true>(links, row, out)
             : relaxWith<Select<float>, Residual, false>(links, row, out);
+  else if (links.byAxis)
+    sourced ? relaxWith<LookupByAxis<float>, Residual, true>(links, row, out)
+            : relaxWith<LookupByAxis<float>, Residual, false>(links, row, out);
   else
     sourced ? relaxWith<Lookup<float>, Residual, true>(links, row, out)
             : relaxWith<Lookup<float>, Residual, false>(links, row, out);
@@ -224,7 +259,7 @@ void sumsWith(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, dou
 #pragma omp simd reduction(+ : energy, flux)
       for (std::int64_t i = 0; i < last; ++i)
       {
-        const double g = between(table, lowOf(after, i), highOf(after, i));
+        const double g = between<0>(table, lowOf(after, i), highOf(after, i));
         const double drop = static_cast<double>(own[i]) - static_cast<double>(east[i]) - step;
         energy += g * drop * drop;
         flux += g * drop;
@@ -236,7 +271,7 @@ void sumsWith(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, dou
 #pragma omp simd reduction(+ : energy, flux)
       for (std::int64_t i = 0; i < last; ++i)
       {
-        const double g = between(table, lowOf(after, i), highOf(after, i));
+        const double g = between<0>(table, lowOf(after, i), highOf(after, i));
         const double drop = static_cast<double>(own[i]) - static_cast<double>(east[i]) - step;
         energy += g * drop * drop;
         flux += g * drop;
@@ -244,7 +279,7 @@ void sumsWith(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, dou
     }
     const auto end = [&](std::int64_t i, std::int64_t x, const RowEnd& e, bool high)
     {
-      const double g = e.weight * between(table, row.phase[x], e.phase);
+      const double g = e.weight * between<0>(table, row.phase[x], e.phase);
       const double drop = static_cast<double>(own[i]) - static_cast<double>(e.value) - static_cast<double>(e.offset);
       const bool wall = e.weight != 1.0F;
       if (!wall && !high)
@@ -267,12 +302,12 @@ void sumsWith(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, dou
       end(last, nx - 1, row.high, true);
     sums.flux[0] += flux;
   }
-  for (int k = 0; k < 4; ++k)
+  const auto beside = [&]<int Axis>(int k)
   {
     const RowSide& side = row.side[k];
     const bool wall = side.wall;
     if (side.weight == 0.0F || (!wall && k % 2 == 0))
-      continue;
+      return;
     const double weight = side.weight;
     const double offset = side.offset;
     const float* value = side.value;
@@ -282,18 +317,22 @@ void sumsWith(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, dou
 #pragma omp simd reduction(+ : energy, flux)
     for (std::int64_t i = 0; i < count; ++i)
     {
-      const double g = weight * between(table, a[2 * i], b[2 * i]);
+      const double g = weight * between<Axis>(table, a[2 * i], b[2 * i]);
       const double drop = static_cast<double>(own[i]) - static_cast<double>(value[i]) - offset;
       energy += g * drop * drop;
       flux += g * drop;
     }
     if (!wall)
-      sums.flux[1 + k / 2] += flux;
+      sums.flux[Axis] += flux;
     else if (k % 2 == 1)
       sums.high += flux;
     else
       sums.low -= flux;
-  }
+  };
+  beside.template operator()<1>(0);
+  beside.template operator()<1>(1);
+  beside.template operator()<2>(2);
+  beside.template operator()<2>(3);
   sums.energy += energy;
 }
 
@@ -301,12 +340,14 @@ void addSums(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, doub
 {
   if (links.two)
     sumsWith<Select<double>>(links, row, sums, planes);
+  else if (links.byAxis)
+    sumsWith<LookupByAxis<double>>(links, row, sums, planes);
   else
     sumsWith<Lookup<double>>(links, row, sums, planes);
 }
 
-// f(nodes, a, b, here, there, weight, offset) for the runs of links of a half-row that addSums sums: a[2 i] and b[2 i]
-// are the phases at both ends of the i-th, here[i] and there[i] the values.
+// f(axis, nodes, a, b, here, there, weight, offset) for the runs of links of a half-row that addSums sums: a[2 i] and
+// b[2 i] are the phases at both ends of the i-th, here[i] and there[i] the values.
 template <class F>
 void forRuns(const PhaseRow& row, F&& f)
 {
@@ -315,11 +356,11 @@ void forRuns(const PhaseRow& row, F&& f)
   const std::int64_t count = part == 0 ? (nx + 1) / 2 : nx / 2;
   const std::int64_t last = 2 * (count - 1) + part == nx - 1 ? count - 1 : count;
   const std::uint8_t* const phase = row.phase + part;
-  f(last, phase, phase + 1, row.own, row.east, 1.0, static_cast<double>(row.step));
+  f(0, last, phase, phase + 1, row.own, row.east, 1.0, static_cast<double>(row.step));
   const auto end = [&](std::int64_t i, const RowEnd& e, bool high)
   {
     if (e.weight != 1.0F || high) // a link that wraps belongs to its lower end
-      f(1, phase + 2 * i, &e.phase, row.own + i, &e.value, static_cast<double>(e.weight),
+      f(0, 1, phase + 2 * i, &e.phase, row.own + i, &e.value, static_cast<double>(e.weight),
         static_cast<double>(e.offset));
   };
   if (part == 0)
@@ -328,7 +369,7 @@ void forRuns(const PhaseRow& row, F&& f)
     end(last, row.high, true);
   for (int k = 0; k < 4; ++k)
     if (const RowSide& side = row.side[k]; side.weight != 0.0F && (side.wall || k % 2 == 1))
-      f(count, phase, side.phase + part, row.own, side.value, static_cast<double>(side.weight),
+      f(1 + k / 2, count, phase, side.phase + part, row.own, side.value, static_cast<double>(side.weight),
         static_cast<double>(side.offset));
 }
 
@@ -343,7 +384,7 @@ void addEnergies(const PhaseLinks& links, const PhaseRow& row, std::size_t ids, 
   {
     const int second = links.second;
     forRuns(row,
-      [&](std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, const float* here, const float* there,
+      [&](int, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, const float* here, const float* there,
         double weight, double offset)
       {
         double all = 0;
@@ -366,31 +407,35 @@ void addEnergies(const PhaseLinks& links, const PhaseRow& row, std::size_t ids, 
     return;
   }
   forRuns(row,
-    [&](std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, const float* here, const float* there,
+    [&](int axis, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, const float* here, const float* there,
       double weight, double offset)
     {
+      double* const sum = sums + (links.byAxis ? static_cast<std::size_t>(axis) * ids * ids : 0);
+      const double* const table = links.table[axis];
       for (std::int64_t i = 0; i < n; ++i)
-        sums[ids * a[2 * i] + b[2 * i]] +=
-          weight * links.table[256 * a[2 * i] + b[2 * i]] * square(here[i], there[i], offset);
+        sum[ids * a[2 * i] + b[2 * i]] += weight * table[256 * a[2 * i] + b[2 * i]] * square(here[i], there[i], offset);
     });
 }
 
-template <class Table>
-void linksWith(
-  const PhaseLinks& links, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, float* __restrict out)
+template <int Axis, class Table>
+void linksWith(const Table& table, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, float* __restrict out)
 {
-  const Table table(links);
 #pragma omp simd
   for (std::int64_t i = 0; i < n; ++i)
-    out[i] = between(table, a[i], b[i]);
+    out[i] = between<Axis>(table, a[i], b[i]);
 }
 
-void linksOf(const PhaseLinks& links, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, float* out)
+void linksOf(
+  const PhaseLinks& links, int axis, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, float* out)
 {
   if (links.two)
-    linksWith<Select<float>>(links, n, a, b, out);
+    linksWith<0>(Select<float>(links), n, a, b, out);
+  else if (axis == 0)
+    linksWith<0>(LookupByAxis<float>(links), n, a, b, out);
+  else if (axis == 1)
+    linksWith<1>(LookupByAxis<float>(links), n, a, b, out);
   else
-    linksWith<Lookup<float>>(links, n, a, b, out);
+    linksWith<2>(LookupByAxis<float>(links), n, a, b, out);
 }
 
 void addToBoth(std::int64_t evens, std::int64_t odds, const float* coarse, float* even, float* odd)

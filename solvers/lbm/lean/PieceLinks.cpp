@@ -180,7 +180,7 @@ void PieceMultigrid::hangPieces(const LeanField& field, const std::array<std::in
         const bool within = inBlock[a] + step >= 0 && inBlock[a] + step < edge_ && p[a] < size[a];
         if (!within && size[a] == lattice_->size[a])
           p[a] = (p[a] + size[a]) % size[a]; // else a ghost row
-        const double link = links.factor(axis) * links.mean(phase, field.phaseRow(p[1], p[2])[p[0]]);
+        const double link = links.factor(axis) * links.mean(phase, field.phaseRow(p[1], p[2])[p[0]], axis);
         if (!within)
           hanging.outwards(piece[i], link);
         else if (const std::size_t other = piece[nodeOf(p, edge_)]; other == piece[i])
@@ -219,19 +219,21 @@ void PieceMultigrid::label(const LeanField& field, std::int64_t edge)
   labels_.assign(blockCount(first.blocks) * labelWords(edge), 0);
   const std::uint32_t apart = apartIn(edge);
   first.start.assign(blockCount(first.blocks) + 1, 0);
-  // which phases are joined
+  // which phases are joined, along which axes: a bit each
   std::vector<std::uint8_t> joined(256 * 256, 0);
   everyLink_ = true;
   const std::span<const std::uint8_t> ids = field.ids();
-  for (const std::uint8_t a : ids)
-    for (const std::uint8_t b : ids)
-    {
-      const double link = field.links().mean(a, b);
-      const bool strong = link > 0 && link >= strongPart * std::max(field.links().mean(a, a), field.links().mean(b, b));
-      joined[static_cast<std::size_t>(a) * 256 + b] = strong ? 1 : 0;
-      everyLink_ = everyLink_ && (strong || !(link > 0));
-    }
-  const std::array<bool, 3> alongJoined = strongAxes(field.links(), lattice_->size);
+  const Links& links = field.links();
+  for (const int axis : { 0, 1, 2 })
+    for (const std::uint8_t a : ids)
+      for (const std::uint8_t b : ids)
+      {
+        const double link = links.mean(a, b, axis);
+        const bool strong = link > 0 && link >= strongPart * std::max(links.mean(a, a, axis), links.mean(b, b, axis));
+        joined[static_cast<std::size_t>(a) * 256 + b] |= static_cast<std::uint8_t>((strong ? 1U : 0U) << axis);
+        everyLink_ = everyLink_ && (strong || !(link > 0));
+      }
+  const std::array<bool, 3> alongJoined = strongAxes(links, lattice_->size);
   everyLink_ = everyLink_ && alongJoined == std::array<bool, 3>{ true, true, true };
   const std::array<std::size_t, 3> steps{ 1, static_cast<std::size_t>(edge), static_cast<std::size_t>(edge * edge) };
   forBlocks(first.blocks,
@@ -260,7 +262,8 @@ void PieceMultigrid::label(const LeanField& field, std::int64_t edge)
             const std::array<bool, 3> has{ x > 0, y > 0, z > 0 };
             for (std::size_t a = 0; a < 3; ++a)
               if (has[a] && alongJoined[a] && id[n - steps[a]] >= 0 &&
-                joined[static_cast<std::size_t>(id[n]) * 256 + static_cast<std::size_t>(id[n - steps[a]])] != 0)
+                (joined[static_cast<std::size_t>(id[n]) * 256 + static_cast<std::size_t>(id[n - steps[a]])] >> a &
+                  1U) != 0)
               {
                 const std::size_t i = root(n);
                 const std::size_t j = root(n - steps[a]);
@@ -420,7 +423,7 @@ void PieceMultigrid::linkFirst(const LeanField& field)
         }
       };
       forNodes([&](const auto&, std::uint32_t piece, std::uint8_t id)
-        { best[piece] = std::max(best[piece], static_cast<float>(field.links().mean(id, id))); });
+        { best[piece] = std::max(best[piece], static_cast<float>(field.links().diffusivity(id))); });
       if (edge_ == 2)
         return;
       thread_local std::vector<std::array<std::int64_t, 3>> low;
@@ -430,7 +433,7 @@ void PieceMultigrid::linkFirst(const LeanField& field)
       forNodes(
         [&](const auto& in, std::uint32_t piece, std::uint8_t id)
         {
-          if (!counts(piece, field.links().mean(id, id)))
+          if (!counts(piece, field.links().diffusivity(id)))
             return;
           for (std::size_t a = 0; a < 3; ++a)
           {
@@ -482,7 +485,7 @@ void PieceMultigrid::linkFirst(const LeanField& field)
               there = unknown(q);
             if (there == PieceLevel::none)
               continue;
-            const double mean = field.links().mean(id, field.phaseRow(q[1], q[2])[q[0]]);
+            const double mean = field.links().mean(id, field.phaseRow(q[1], q[2])[q[0]], static_cast<int>(a));
             if (here == there && !counts(here, mean))
               continue;
             f(here, there,

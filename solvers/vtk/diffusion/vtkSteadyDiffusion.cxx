@@ -563,10 +563,6 @@ void vtkSteadyDiffusion::TakeMembranes(const lamella::DiffusionScene& scene)
 {
   auto& internal = *this->Internal;
   const lamella::Lattice& lattice = scene.lattice();
-  if (!lattice.cubes())
-    throw lamella::ParameterError(fmt::format("membranes between voxels with edges of {:g} and {:g}", lattice.spacing,
-                                    lattice.spacingAlong(lattice.aspect[1] != 1 ? 1 : 2)),
-      "resample the image to square pixels, or cubes");
   const std::vector<lamella::NamedMembrane> named =
     lamella::namedMembranes(scene.phases, internal.Membrane, internal.Permeance);
   for (const lamella::NamedMembrane& one : named)

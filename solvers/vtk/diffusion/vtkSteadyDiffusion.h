@@ -173,7 +173,7 @@ public:
   /**
    * Resistance of the surface between two phases, one pair a row, as lumen-wall, in any order: the value jumps there by
    * the resistance times the flux. Metres over the unit of the conductivities, of heat m² K/W (thermal boundary
-   * resistance); finite and at least 0. On straight links, d2q5 and d3q7, of square pixels.
+   * resistance); finite and at least 0. On straight links, d2q5 and d3q7.
    * @word membrane
    * @title Membranes between phases
    * @group Materials
