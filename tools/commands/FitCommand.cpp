@@ -215,7 +215,8 @@ void addFitOptions(
   addOutputOptions(app, o.output, o.common, "Write the first sample with its fields at the fit as .vti");
   addReportOptions(app, o.common);
   std::vector<std::string> leave = settingsLeftOut(className);
-  leave.insert(leave.end(), { "conductivity", "conductivity-across", "nodes-per-pixel" }); // written together; 1
+  leave.insert(leave.end(),
+    { "conductivity", "conductivity-across", "nodes-per-pixel" }); // the first two in one; pixels stay whole
   o.solver.declare(app, className, leave);
 }
 
