@@ -44,4 +44,12 @@ std::optional<std::int64_t> toInteger(std::string_view text)
   return value;
 }
 
+std::pair<std::string, std::string> splitUncertainty(const std::string& text)
+{
+  for (const std::string sign : { "±", "+-" })
+    if (const std::size_t at = text.find(sign); at != std::string::npos)
+      return { text.substr(0, at), text.substr(at + sign.size()) };
+  return { text, "" };
+}
+
 } // namespace lamella

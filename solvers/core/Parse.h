@@ -4,6 +4,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 namespace lamella
@@ -15,5 +16,8 @@ namespace lamella
 /// A number, all of the text; "nan" and "inf" are numbers here, whether they make sense is the caller's to say.
 [[nodiscard]] std::optional<double> toNumber(std::string_view text);
 [[nodiscard]] std::optional<std::int64_t> toInteger(std::string_view text);
+
+/// "VALUE±HALF", or with +-: both; without: the value alone, and nothing.
+[[nodiscard]] std::pair<std::string, std::string> splitUncertainty(const std::string& text);
 
 } // namespace lamella

@@ -6,6 +6,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -75,6 +76,9 @@ public:
   virtual void plane(std::int64_t /*z*/, double* /*out*/) const {}
   /// Of the field, all ranks'. Collective.
   [[nodiscard]] virtual FieldEnergies energies() const = 0;
+  /// What surfaceDerivatives() tells, of elements with tensors, which go with the surfaces; nothing of others.
+  /// Collective.
+  [[nodiscard]] virtual std::optional<SurfaceDerivatives> surfaces() const { return std::nullopt; }
 };
 
 /// Energies of a field that a backend without one of its own in double has.

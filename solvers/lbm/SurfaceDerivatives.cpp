@@ -233,9 +233,12 @@ void addNode(const Surroundings& around, const Surroundings::Node& n, std::span<
 
 SurfaceDerivatives surfaceDerivatives(const Problem& problem, const Backend& backend)
 {
-  if (problem.options.links || problem.options.pairs || problem.options.directed)
-    throw ParameterError("derivatives by surfaces of phases that conduct along and across, or of links that were given",
-      "give each phase one conductivity");
+  if (problem.options.links || problem.options.pairs)
+    throw ParameterError("derivatives by surfaces of links that were given",
+      problem.options.pairs ? "give each phase one conductivity"
+                            : "with conductivities along and across take elements, q1");
+  if (std::optional<SurfaceDerivatives> moved = backend.surfaces())
+    return *std::move(moved);
   SteadyOptions options = problem.options; // the field's rows are all that is asked for: elements have them, too
   options.stencil = problem.lattice.dimension == 3 ? Stencil::D3Q7 : Stencil::D2Q5;
   const Problem straight{ problem.lattice, problem.parts, problem.comm, options, problem.phase, problem.diffusivity,

@@ -18,9 +18,10 @@ namespace lamella::lbm
 /// those of links within a phase, that along the surface from the phase that conducts better, the flux through it from
 /// the other one; normals from 3 × 3 (× 3) nodes; a step's face counts for |n| of the surface. Arrays of disks at
 /// contrasts of 0 to 10⁴ have 0.73 to 1.01 of their exact derivative so, from 64 nodes a side on
-/// (docs/solvers/steady-diffusion.md).
+/// (docs/solvers/steady-diffusion.md). Elements, which may have tensors, go with the surfaces instead
+/// (lattice/SurfaceMotions.h), by the volume integral that is the same where fields are exact.
 ///
-/// Collective. @throws ParameterError for links that were given, and conductivities along and across
+/// Collective. @throws ParameterError for links that were given
 [[nodiscard]] SurfaceDerivatives surfaceDerivatives(const Problem& problem, const Backend& backend);
 
 } // namespace lamella::lbm

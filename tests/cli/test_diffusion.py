@@ -353,8 +353,19 @@ class Walls(Case):
         self.fails(2, "nothing tells how far surfaces may lie", "in pixels", "diffusion", *words, *given, "--segmentation-error")
         answer = self.works("diffusion", *words, *given, "--surface-doubt", "0.3", "--json").json()
         self.assertLess(answer["surface_sensitivity"]["x"]["lumen:wall"], 0)
-        self.fails(2, "differ along and across", "leave it out", "diffusion", *words, "--conductivity", "lumen=0.023,wall=1:0.5",
-                   "--surface-doubt", "0.3")
+        # along and across: on elements, on ranks too; one conductivity twice is the one conductivity
+        axes = ["diffusion", *words, "--surface-doubt", "0.3", "--no-error-estimate", "--json", "--conductivity"]
+        turned = self.works(*axes, "lumen=0.026,wall=0.6:0.3").json()
+        self.assertEqual(turned["lattice"], "q1")
+        self.assertLess(turned["surface_sensitivity"]["x"]["lumen:wall"], 0)
+        self.assertEqual(turned["segmentation_errors"]["x"],
+                         0.3 * abs(turned["surface_sensitivity"]["x"]["lumen:wall"]) / turned["effective"]["x"])
+        shared = self.works(*axes, "lumen=0.026,wall=0.6:0.3", ranks=2).json()
+        self.assertAlmostEqual(shared["surface_sensitivity"]["y"]["lumen:wall"] / turned["surface_sensitivity"]["y"]["lumen:wall"], 1, delta=1e-6)
+        same, once = (self.works(*axes, "lumen=0.026,wall=" + wall, "--lattice", "q1").json()["segmentation_errors"] for wall in ("0.41:0.41", "0.41"))
+        self.assertEqual(same, once)
+        self.fails(2, "a segmentation error of conductivities along and across walls on d2q9", "take q1", "diffusion", *words, "--conductivity",
+                   "lumen=0.023,wall=1:0.5", "--surface-doubt", "0.3", "--lattice", "d2q9")
 
     def test_what_conductivities_leave(self):
         words = self.lattice()[:1]

@@ -1,5 +1,7 @@
 """lamella fit: conductivities and moduli from effective ones, what it says where measurements do not tell them, and what it refuses."""
 
+import csv
+import glob
 import unittest
 
 from program import Case
@@ -68,6 +70,85 @@ class Fit(Case):
             self.assertLessEqual(found["solves"], 10)
         self.fails(2, "'8e9±1e8' is not a number", "--young", "fit", "stiffness", "wood.vti", "--young", "wall=8e9±1e8", "--unknown", "shear:wall", "--measured", "E_x=1e9±1e8")
 
+    def test_scene(self):
+        # the same numbers as the command, to the last digit; one after the other for two measurements
+        names = self.tissue(), self.tissue("other.vti", "5")
+        words = ["--conductivity", "lumen=0.026", "--unknown", "wall", "--measured", "y=0.112±0.003", "--measured", "2/x=0.12±0.004"]
+        told = self.works("fit", "diffusion", names[0], "--also", names[1], *words, "--json").json()
+        self.write("heat.toml", f"""
+[sample]
+file = "{names[0]}"
+
+[fit]
+solver = "diffusion"
+also = ["{names[1]}"]
+conductivity = {{ lumen = 0.026 }}
+unknown = "wall"
+measured = {{ y = ["0.112±0.003", "0.12±0.003"], "2/x" = "0.12±0.004" }}
+
+[measure]
+wall = "fit.unknown.conductivity:wall.value"
+low = "fit.unknown.conductivity:wall.low"
+error = "fit.measured.2/x.lattice_and_picture"
+solves = "fit.solves"
+""".encode())
+        self.assertIn("fit", self.works("run", "heat.toml", "--dry-run").out)
+        self.works("run", "heat.toml", "--quiet")
+        with open(self.path("heat.results/table.csv"), encoding="utf-8", newline="") as file:
+            rows = list(csv.DictReader(file))
+        wall = told["unknown"]["conductivity:wall"]
+        self.assertEqual([float(rows[0][key]) for key in ("wall", "low", "error", "solves")],
+                         [wall["value"], wall["low"], told["measured"]["2/x"]["lattice_and_picture"], told["solves"]])
+        self.assertGreater(float(rows[1]["wall"]), wall["value"])
+
+    def test_scene_of_moduli(self):
+        # what [material] tells goes to the fit; the fields at the fit are there to be written
+        name = self.tissue()
+        words = ["--poisson", "wall=0.2", "--unknown", "young:wall=5e9", "--measured", "E_x=1e9±2e7"]
+        told = self.works("fit", "stiffness", name, *words, "--json", "-o", "fields.vti").json()["unknown"]["young:wall"]
+        self.write("moduli.toml", f"""
+[sample]
+file = "{name}"
+
+[material]
+poisson = {{ wall = 0.2 }}
+
+[fit]
+solver = "stiffness"
+unknown = {{ "young:wall" = 5e9 }}
+measured = {{ E_x = "1e9±2e7" }}
+write = true
+
+[measure]
+young = "fit.unknown.young:wall.value"
+high = "fit.unknown.young:wall.high"
+""".encode())
+        self.works("run", "moduli.toml", "--quiet")
+        with open(self.path("moduli.results/table.csv"), encoding="utf-8", newline="") as file:
+            row = next(csv.DictReader(file))
+        self.assertEqual([float(row["young"]), float(row["high"])], [told["value"], told["high"]])
+        wrote = glob.glob(self.path("moduli.results/samples/*/fit.vti"))
+        self.assertEqual(len(wrote), 1)
+
+    def test_what_a_scene_refuses(self):
+        name = self.tissue()
+        fit = '[fit]\nconductivity = { lumen = 0.026 }\nunknown = "wall"\nmeasured = { x = "0.1±0.01" }\n'
+        for change, message, hint in (
+            (("", ""), "[fit] does not say what was measured", "'diffusion' or 'stiffness'"),
+            (("[fit]", '[fit]\nsolver = "diffusoin"'), "'diffusoin' is no solver of [fit]", "did you mean 'diffusion'?"),
+            (("[fit]", '[fit]\nsolver = "stiffness"'), "'conductivity' is no key of [fit]", "lamella fit stiffness --help"),
+            (("[fit]", '[fit]\nsolver = "diffusion"\nflux = true'), "'flux' is no key of [fit]", "--help"),
+        ):
+            self.write("scene.toml", f'[sample]\nfile = "{name}"\n\n{fit.replace(*change)}'.encode())
+            self.fails(2, message, hint, "run", "scene.toml")
+        whole = fit.replace("[fit]", '[fit]\nsolver = "diffusion"')
+        for old, new, message, hint in (
+            ('"wall"', '"bark"', "scene.toml:7: [fit] unknown names 'bark', which is no phase of this sample", "its phases are 'lumen' and 'wall'"),
+            ("±0.01", "", "scene.toml:8: [fit] measured x=0.1 does not say how far", "x=0.1±…"),
+        ):
+            self.write("scene.toml", f'[sample]\nfile = "{name}"\n\n{whole.replace(old, new)}'.encode())
+            self.fails(2, message, hint, "run", "scene.toml", "--dry-run")
+
     def test_what_is_not_told(self):
         name = self.tissue()
         words = ["fit", "diffusion", name]
@@ -80,10 +161,15 @@ class Fit(Case):
         name = self.tissue()
         words = ["fit", "diffusion", name, "--conductivity", "lumen=0.026"]
         self.fails(2, "no phase of this sample", "its phases are 'lumen' and 'wall'", *words, "--unknown", "bark", "--measured", "x=0.1±0.01")
-        self.fails(2, "does not say how far", "--measured x=0.1±…", *words, "--unknown", "wall", "--measured", "x=0.1")
-        self.fails(2, "there is 1 sample", "--also", *words, "--unknown", "wall", "--measured", "2/x=0.1±0.01")
+        self.fails(2, "which is no phase of this sample", "did you mean 'lumen'?", *words[:3], "--conductivity", "lumne=0.026", "--unknown", "wall", "--measured", "x=0.1±0.01")
+        self.fails(2, "does not say how far", "x=0.1±…", *words, "--unknown", "wall", "--measured", "x=0.1")
+        self.fails(2, "there is 1 sample", "also", *words, "--unknown", "wall", "--measured", "2/x=0.1±0.01")
         self.fails(2, "'z' is not found", "'x' and 'y'", *words, "--unknown", "wall", "--measured", "z=0.1±0.01")
         self.fails(2, "1 measurements for 2 unknowns", "at least as many", *words[:3], "--unknown", "wall", "--unknown", "lumen", "--measured", "x=0.1±0.01")
+        self.fails(2, "'0.1o' is not a number", "QUANTITY=VALUE±HALF", *words, "--unknown", "wall", "--measured", "x=0.1o±0.01")
+        self.fails(2, "'-1' is not a number", "positive", *words, "--unknown", "wall=-1", "--measured", "x=0.1±0.01")
+        self.fails(2, "'yuong' is nothing that can be looked for", "did you mean 'young'?", "fit", "stiffness", name, "--unknown", "yuong:wall", "--measured", "E_x=1e9±1e8")
+        self.fails(2, "measured has x twice", "mean of both", *words, "--unknown", "wall", "--measured", "x=0.1±0.01,x=0.12±0.01")
         self.fails(2, "twice", "once", *words, "--unknown", "wall", "--unknown", "wall", "--measured", "x=0.1±0.01")
         self.fails(2, "which command?", "diffusion", "fit")
 

@@ -847,6 +847,63 @@ class Diffusion(unittest.TestCase):
             lamella.snapshot(lamella.softwood(size=(60, 40)), path, overwrite=True)
 
 
+class Fits(unittest.TestCase):
+    def setUp(self):
+        self.tissue = lamella.softwood(size=(60, 50), seed=3)
+        self.heat = {"unknown": "wall", "measured": {"x": (0.1, 0.01)}, "conductivity": {"lumen": 0.026}}
+
+    def refuses(self, kind, message, of="diffusion", **changes):
+        with self.assertRaisesRegex(kind, message) as caught:
+            lamella.fit(of, self.tissue, **{**self.heat, **changes})
+        self.assertNotIn("\n", str(caught.exception))
+
+    def test_finds_what_made_the_measurement(self):
+        truth = lamella.diffusion(self.tissue, {"lumen": 0.026, "wall": 0.41}, estimate_error=False).effective[1, 1]
+        found = lamella.fit("diffusion", self.tissue, "wall", {"y": (truth, 0.01 * truth)}, conductivity={"lumen": 0.026})
+        # a step ends where nothing changes by more than a twentieth of a standard deviation, here 0.025 %
+        self.assertAlmostEqual(found.values["conductivity:wall"] / 0.41, 1, delta=5e-4)
+        self.assertTrue(found.low["conductivity:wall"] < found.low_by_measurement["conductivity:wall"] < 0.41 < found.high_by_measurement["conductivity:wall"])
+        self.assertEqual((found.freedom, found.measured), (0, {"y": (truth, 0.01 * truth)}))
+        self.assertTrue(np.isnan(found.chance))
+        np.testing.assert_array_equal(found.correlation, [[1]])
+        self.assertIsInstance(found.solution, lamella.DiffusionResult)
+        self.assertEqual(found.solution.fields["temperature_y"].shape, (50, 60))
+        self.assertIn("conductivity:wall 0.41", repr(found))
+        self.assertEqual(found.solution.provenance["parameters"]["fit"]["unknown"], ["wall"])
+
+    def test_what_it_refuses(self):
+        self.refuses(ValueError, "of is 'heat'; it can be 'diffusion', 'stiffness'", of="heat")
+        self.refuses(lamella.ParameterError, "unknown names 'bark', which is no phase of this sample .its phases are 'lumen' and 'wall'", unknown="bark")
+        self.refuses(lamella.ParameterError, "'yuong' is nothing that can be looked for", unknown="yuong:wall")
+        self.refuses(lamella.ParameterError, "unknown names the conductivity of wall twice", unknown=["wall", "conductivity:wall"])
+        self.refuses(lamella.ParameterError, "there is 1 sample .name others with also", measured={"2/x": (0.1, 0.01)})
+        self.refuses(lamella.ParameterError, "'z' is not found of this sample .what is found is 'x' and 'y'", measured={"z": (0.1, 0.01)})
+        self.refuses(lamella.ParameterError, "does not say how far it may be off", measured="x=0.1")
+        self.refuses(lamella.ParameterError, "x was measured as 0.1 ± 0", measured={"x": (0.1, 0)})
+        self.refuses(lamella.ParameterError, "1 measurements for 2 unknowns", unknown=["wall", "lumen"])
+        self.refuses(lamella.ParameterError, "0 measurements for 0 unknowns .name what is looked for", unknown=None, measured=None)
+        self.refuses(lamella.InputError, "only together", unknown=["wall", "lumen"], measured={"x": (0.1, 0.01), "y": (0.09, 0.01)}, conductivity=None)
+        self.refuses(lamella.InputError, "nothing fits", unknown="lumen", measured={"x": (0.001, 0.0001)}, conductivity={"wall": 0.41})
+        self.refuses(lamella.LamellaError, "did you mean 'lumen'", conductivity={"lumne": 0.026})
+        self.refuses(ValueError, "measured 'x' is 0.1; give .value, half", measured={"x": 0.1})
+        self.refuses(TypeError, "measured is of type float; give a dictionary", measured=0.1)
+        self.refuses(TypeError, "unexpected keyword argument 'flux'", flux=True)
+        self.refuses(TypeError, "unexpected keyword argument 'conductivty'; did you mean 'conductivity'", conductivty={"lumen": 0.026})
+        self.refuses(TypeError, "also is of type Sample; give a list", also=self.tissue)
+        self.refuses(lamella.ParameterError, "tolerance 0.5 is above 0.1", tolerance=0.5)
+        with self.assertRaisesRegex(lamella.LamellaError, "cannot be fitted"):
+            search = lamella.vtkMaterialFit()
+            search.SetSolver(lamella.vtkFluxMap())
+            search.AddSample(self.tissue.vtk)
+            lamella._errors.run(search)
+
+    def test_is_cancelled(self):
+        seen = []
+        with self.assertRaises(lamella.Cancelled):
+            lamella.fit("diffusion", self.tissue, progress=lambda share, text: seen.append(text) or len(seen) < 3, **self.heat)
+        self.assertEqual(len(seen), 3)
+
+
 class Bonds(unittest.TestCase):
     def test_a_bar(self):
         bar = lamella.from_array(np.ones((60, 30), int), ["void", "stone"], spacing=1e-3)
@@ -985,7 +1042,7 @@ class Bonds(unittest.TestCase):
             needed = [p for p in inspect.signature(function).parameters.values() if p.default is p.empty and p.kind is p.POSITIONAL_OR_KEYWORD]
             more = {"young": young} if name == "bond_stress" else {}
             with self.subTest(name), self.assertRaisesRegex(TypeError, rf"^{name}\(\) got an unexpected keyword argument 'nosuchword'"):
-                function(*[sample for _ in needed], **more, nosuchword=1)
+                function(*["diffusion" if p.name == "of" else sample for p in needed], **more, nosuchword=1)
         with self.assertRaisesRegex(TypeError, r"^bond_stiffness\(\) got an unexpected keyword argument 'periodic'"):
             lamella.bond_stiffness(sample, young, periodic="x")
         with self.assertRaisesRegex(ValueError, "young is 0; it is above 0, or None"):

@@ -21,6 +21,7 @@ SECTIONS = (
     ("Diffusion", ("diffusion", "transient", "flux_map", "DiffusionResult", "TransientResult", "TransientState",
                    "FluxMapResult")),
     ("Elements: stiffness and stresses", ("stiffness", "StiffnessResult")),
+    ("What the phases must be", ("fit", "FitResult")),
     ("Bonds: stiffness and fracture", (
         "equilibrium", "fracture", "dynamics", "bond_stiffness", "bond_stress", "EquilibriumResult", "FractureResult",
         "FractureState", "DynamicsResult", "MotionState", "BondStiffnessResult", "BondStressResult")),

@@ -167,6 +167,53 @@ class SameResults(unittest.TestCase):
         self.same("element.vtp", found.vtk_directions)
         self.same_table("element.csv", lamella.arrays(found.vtk_constants))
 
+    def same_fit(self, name, told, found):
+        """All that --json tells, and all arrays of what was written."""
+        for key, attribute in (("value", "values"), *((key, key) for key in ("low", "high", "low_by_measurement", "high_by_measurement"))):
+            self.assertEqual({unknown: row[key] for unknown, row in told["unknown"].items()}, getattr(found, attribute))
+        for key in ("fitted", "lattice_and_picture"):
+            numbers = {quantity: np.nan if row[key] is None else row[key] for quantity, row in told["measured"].items()}
+            np.testing.assert_equal(getattr(found, key), numbers)
+        self.assertEqual({quantity: (row["value"], row["half_width"]) for quantity, row in told["measured"].items()}, found.measured)
+        self.assertEqual([told[key] for key in ("interval", "misfit", "freedom", "solves")], [found.interval, found.misfit, found.freedom, found.solves])
+        np.testing.assert_equal(found.chance, np.nan if told["chance"] is None else told["chance"])
+        np.testing.assert_array_equal(found.correlation, told["correlation"])
+        self.same(name, found.solution.vtk)
+
+    def test_fit_of_conductivities(self):
+        self.run_program("generate", "softwood", "--size", "48,40", "--seed", "4", "--solid-fraction", "0.6", "-o", "dense.vti")
+        dense = lamella.softwood(size=(48, 40), seed=4, solid_fraction=0.6)
+        lumen = ["--conductivity", "lumen=0.023", "--unknown", "wall"]
+        told = self.run_program("fit", "diffusion", "t.vti", *lumen, "--measured", "x=0.3±0.01,y=0.28±0.01", "--json", "-o", "fit.vti")
+        found = lamella.fit("diffusion", self.sample, "wall", {"x": (0.3, 0.01), "y": (0.28, 0.01)}, conductivity={"lumen": 0.023})
+        self.same_fit("fit.vti", json.loads(told), found)
+        self.assertEqual(sorted(found.solution.fields), ["flux_x", "flux_y", "temperature_x", "temperature_y"])
+        # two samples, two phases, one direction, a start, no error: all of them in words, and as numbers
+        first, second = (lamella.diffusion(sample, {"wall": 0.9, "lumen": 0.05}, "y", estimate_error=False).effective[1, 1] for sample in (self.sample, dense))
+        words = ["--also", "dense.vti", "--unknown", "wall=0.8", "--unknown", "lumen=0.02", "--direction", "y", "--no-error-estimate"]
+        told = self.run_program("fit", "diffusion", "t.vti", *words, "--measured", f"y={first!r}±0.0005", "--measured", f"2/y={second!r}±0.0005",
+                                "--json", "-o", "two.vti")
+        how = {"also": [dense], "direction": "y", "estimate_error": False}
+        for unknown, measured in ((["wall=0.8", "lumen=0.02"], [f"y={first!r}±0.0005", f"2/y={second!r}+-0.0005"]),
+                                  ({"wall": 0.8, "lumen": 0.02}, {"y": (first, 0.0005), "2/y": (second, 0.0005)})):
+            self.same_fit("two.vti", json.loads(told), lamella.fit("diffusion", self.sample, unknown, measured, **how))
+        # without fields, as the command is that writes none
+        told = json.loads(self.run_program("fit", "diffusion", "t.vti", *lumen, "--measured", "y=0.28±0.01", "--json"))
+        bare = lamella.fit("diffusion", self.sample, {"wall": None}, {"y": (0.28, 0.01)}, conductivity={"lumen": 0.023}, fields=False)
+        self.assertEqual(told["unknown"]["conductivity:wall"]["high"], bare.high["conductivity:wall"])
+        self.assertEqual(bare.solution.fields, {})
+
+    def test_fit_of_moduli(self):
+        made = lamella.stiffness(self.sample, {"wall": 8e9, "lumen": 4e8}, {"wall": 0.2}, estimate_error=False).constants
+        measured = {name: (made[name], 0.005 * made[name]) for name in ("E_x", "E_y", "G_xy")}
+        words = [word for name, (value, half) in measured.items() for word in ("--measured", f"{name}={value!r}±{half!r}")]
+        told = self.run_program("fit", "stiffness", "t.vti", "--poisson", "wall=0.2", "--unknown", "young:wall", "--unknown", "young:lumen=3e8", *words,
+                                "--json", "-o", "moduli.vti")
+        found = lamella.fit("stiffness", self.sample, {"young:wall": None, "young:lumen": 3e8}, measured, poisson={"wall": 0.2})
+        self.same_fit("moduli.vti", json.loads(told), found)
+        self.assertEqual(found.solution.constants["E_x"], lamella.stiffness(self.sample, {name[6:]: value for name, value in found.values.items()},
+                                                                            {"wall": 0.2}).constants["E_x"])
+
     def test_bond_stiffness(self):
         self.run_program("bond-stiffness", "t.vti", "--young", "wall=10GPa", "--no-error-estimate", "-o", "s.csv")
         found = lamella.bond_stiffness(self.sample, {"wall": 1e10}, estimate_error=False)

@@ -36,6 +36,9 @@ const std::map<std::string, std::string>& reports()
       "length tolerance balance solver_error nodes stored skipped solver_bytes conductivity_rounding membranes "
       "slice_distance:m" +
         run },
+    { "fit",
+      "of also unknown{*{value low high low_by_measurement high_by_measurement}} interval measured{*{value half_width "
+      "fitted lattice_and_picture}} correlation misfit freedom chance solves seconds" },
     { "flux-map",
       "effective{x y z} tensor mean_flux tortuosity{x y z} tortuosity_factor{x y z} streamline_tortuosity{x y z} "
       "direction flux_magnitude{smallest largest mean} streamlines line_flux seconds" },

@@ -21,6 +21,7 @@ const std::vector<Ports>& table()
     { "bridges", { { "FILE", "grains", "" } }, {}, { { "output", "sample", ".vti" } } },
     // solvers
     { "diffusion", { { "FILE", "sample", "" } }, {}, { { "output", "fields", ".vti" } }, true },
+    { "fit", { { "FILE", "sample", "" } }, {}, { { "output", "fields", ".vti" } }, true },
     { "transient", { { "FILE", "sample", "" } }, {}, { { "output", "fields", ".vti" }, { "curve", "curve", ".csv" } },
       true, true },
     { "equilibrium", { { "FILE", "sample", "" } }, {}, { { "output", "fields", ".vti" } }, true },

@@ -196,7 +196,9 @@ private:
       section.kind != "micrograph" && section.kind != "snapshot")
     {
       SceneStage stage;
-      readStage(stage, section, section.kind, {});
+      const std::vector<std::string> ways = commands_.namesBelow(section.kind);
+      readStage(stage, section, ways.empty() ? section.kind : section.kind + " " + solverOf(section, ways),
+        ways.empty() ? std::vector<std::string>{} : std::vector<std::string>{ "solver" });
       scene_.stages.push_back(std::move(stage));
     }
     else
@@ -211,6 +213,21 @@ private:
       sceneError(section.where, "there is no section [" + section.kind + "]",
         placed ? in : suggestion(section.kind, known, "there are " + quotedList(known, "and")));
     }
+  }
+
+  /// Of a command that is one of several, [fit]: which one.
+  static std::string solverOf(const SceneSection& section, const std::vector<std::string>& ways)
+  {
+    const std::string solver = section.text("solver");
+    if (!contains(ways, solver))
+    {
+      const SceneKey* const given = section.find("solver");
+      sceneError(given != nullptr ? given->where : section.where,
+        given == nullptr ? "[" + section.kind + "] does not say what was measured"
+                         : "'" + solver + "' is no solver of [" + section.kind + "]",
+        suggestion(solver, ways, "write solver = \"NAME\" with one of " + quotedList(ways)));
+    }
+    return solver;
   }
 
   void readSample(const SceneSection& section)

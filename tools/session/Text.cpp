@@ -75,14 +75,6 @@ std::pair<std::string, std::string> keyValue(
   return { text.substr(0, equals), text.substr(equals + 1) };
 }
 
-std::pair<std::string, std::string> splitUncertainty(const std::string& text)
-{
-  for (const std::string sign : { "±", "+-" })
-    if (const std::size_t at = text.find(sign); at != std::string::npos)
-      return { text.substr(0, at), text.substr(at + sign.size()) };
-  return { text, "" };
-}
-
 std::vector<std::string> listItems(const std::vector<std::string>& texts)
 {
   std::vector<std::string> items;

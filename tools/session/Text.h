@@ -30,9 +30,6 @@ void checkThreads(int threads, const char* hint = "give the number of cores to u
 [[nodiscard]] std::pair<std::string, std::string> keyValue(
   const std::string& option, const std::string& text, const std::string& form);
 
-/// "VALUE±HALF", or with +-: both; without: the value alone, and nothing.
-[[nodiscard]] std::pair<std::string, std::string> splitUncertainty(const std::string& text);
-
 /// What an option was given that may be written again and again, or once with commas between: "a=1,b=2" is "a=1",
 /// "b=2". A comma with no "=" behind it, as in "a=0,5" or "x-=5,free", separates nothing.
 [[nodiscard]] std::vector<std::string> listItems(const std::vector<std::string>& texts);

@@ -45,6 +45,16 @@ public:
       .forward(ofBlock.data(), moved.data(), static_cast<std::size_t>(slab_.size[0]));
     return moved;
   }
+  /// What all blocks have by voxel, as the lattice has it. Collective.
+  template <class T>
+  [[nodiscard]] std::vector<T> toAll(std::span<const T> ofBlock) const
+  {
+    std::vector<T> all(static_cast<std::size_t>(problem_.lattice.count()));
+    const std::vector<Block> wholes(blocks_.size(), Block{ { 0, 0, 0 }, problem_.lattice.size });
+    Redistribution(3, problem_.lattice.size, blocks_, wholes, problem_.comm, 0)
+      .forward(ofBlock.data(), all.data(), static_cast<std::size_t>(problem_.lattice.size[0]));
+    return all;
+  }
   /// What the nodes of its elements have, as those at the corners of its block's voxels, in the elements' axes.
   /// Collective.
   [[nodiscard]] std::vector<double> toBlock(std::span<const double> ofNodes) const;

@@ -1,6 +1,7 @@
 #include "lbm/elements/ElementSystem.h"
 
 #include "core/Error.h"
+#include "lattice/SurfaceMotions.h"
 #include "lbm/Connectivity.h"
 #include "lbm/DirectedLinks.h"
 #include "lbm/PlaneBalance.h"
@@ -282,7 +283,106 @@ public:
     return energies;
   }
 
+  [[nodiscard]] std::optional<SurfaceDerivatives> surfaces() const override
+  {
+    takeField();
+    return problem_.lattice.dimension == 3 ? movedSurfaces<3>() : movedSurfaces<2>();
+  }
+
 private:
+  // Mean gradient of a voxel of piece_ per spacing along x, in the lattice's axes.
+  [[nodiscard]] std::array<double, 3> gradientOf(const std::array<std::int64_t, 3>& p) const
+  {
+    const ElementBox& box = piece_->op.box();
+    std::array<double, 3> rise{ 0, 0, 0 }; // four times, in the elements' axes
+    for (int k = 0; k < 4; ++k)
+    {
+      const auto corner = static_cast<std::size_t>(box.row(p[1] + (k & 1), p[2] + (k >> 1)) + p[0]);
+      const double low = piece_->v[corner];
+      const double high = piece_->v[corner + 1];
+      rise[0] += high - low;
+      rise[1] += ((k & 1) != 0 ? 1 : -1) * (low + high);
+      rise[2] += ((k >> 1) != 0 ? 1 : -1) * (low + high);
+    }
+    std::array<double, 3> gradient{};
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      const auto own = static_cast<std::size_t>(share_.order()[a]);
+      gradient[a] = (0.25 * rise[own] + gradient_[own]) / problem_.lattice.aspect[a];
+    }
+    return gradient;
+  }
+
+  // ∂E/∂δ of E = ∫ g·D g over the box, by voxels that go with their corners: g·D g div V − 2 D g · (∇V)ᵀ g.
+  template <int D>
+  [[nodiscard]] SurfaceDerivatives movedSurfaces() const
+  {
+    using Vector = Eigen::Matrix<double, D, 1>;
+    using Motions = SurfaceMotions<D>;
+    const auto moved = share_.moves() ? share_.toAll(problem_.phase) : std::vector<std::uint8_t>{};
+    const std::span<const std::uint8_t> all = share_.moves() ? std::span<const std::uint8_t>(moved) : problem_.phase;
+    std::array<std::int64_t, D> size{};
+    std::array<double, D> edge{};
+    std::array<bool, D> periodic{};
+    for (std::size_t a = 0; a < D; ++a)
+    {
+      size[a] = problem_.lattice.size[a];
+      edge[a] = problem_.lattice.aspect[a];
+      periodic[a] = problem_.periodic()[a];
+    }
+    const Motions nodes(all, size, edge, periodic);
+    const DirectedDiffusivity* const directed = problem_.options.directed.get();
+    const std::span<const double> along =
+      directed != nullptr ? std::span<const double>(directed->along) : problem_.diffusivity;
+    const std::span<const double> across =
+      directed != nullptr ? std::span<const double>(directed->across) : problem_.diffusivity;
+    const std::size_t ids = problem_.diffusivity.size();
+    SurfaceDerivatives sums{ std::vector<double>(ids * ids, 0.0), std::vector<double>(ids * ids, 0.0) };
+    std::vector<typename Motions::Motion> motions;
+    piece_->forVoxels(piece_->all(),
+      [&](std::size_t i, const std::array<std::int64_t, 3>& p)
+      {
+        typename Motions::Place place{};
+        for (std::size_t a = 0; a < D; ++a)
+        {
+          const auto own = static_cast<std::size_t>(share_.order()[a]);
+          place[a] = piece_->start[own] + p[own];
+        }
+        if (nodes.alone(place))
+          return;
+        nodes.motions(place, motions);
+        const std::uint8_t id = piece_->tensors.phase(i);
+        const std::array<double, 3> rise = gradientOf(p);
+        const std::array<float, 3> turned = piece_->tensors.axis(i);
+        Vector g;
+        Vector axis;
+        for (int a = 0; a < D; ++a)
+        {
+          g(a) = rise[static_cast<std::size_t>(a)];
+          axis(a) = turned[static_cast<std::size_t>(share_.order()[static_cast<std::size_t>(a)])];
+        }
+        const Vector flux = across[id] * g + (along[id] - across[id]) * axis.dot(g) * axis;
+        for (const typename Motions::Motion& motion : motions)
+        {
+          const std::size_t pair = motion.first * ids + motion.second;
+          const double swells = motion.gradient.trace();
+          if (id == motion.first)
+            sums.area[pair] += swells;
+          if (piece_->tensors.conducts(i))
+            sums.shift[pair] += swells * flux.dot(g) - 2 * flux.dot(motion.gradient.transpose() * g);
+        }
+      });
+    problem_.comm.sum(sums.shift);
+    problem_.comm.sum(sums.area);
+    const auto nodesInAll = static_cast<double>(problem_.lattice.count());
+    const double mean = 1 / problem_.lattice.aspect[static_cast<std::size_t>(problem_.axis)]; // gradient
+    for (double& shift : sums.shift)
+      shift /= nodesInAll * mean * mean;
+    for (double& area : sums.area)
+      area /= nodesInAll;
+    return sums;
+  }
+
   [[noreturn]] void fail(const SteadyResult& result) const
   {
     throw DivergenceError(fmt::format("elements: the value still errs by {:.1e} after {} iterations",

@@ -494,10 +494,9 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
              : "leave one of them out: the windows of whole voxels tell the same");
   if (this->Interpolate && (shares || !this->Internal->Across.empty()))
     throw lamella::ParameterError("interpolated conductivities with shares, or along and across", "take one of them");
-  if (this->TellsSurfaces() && (this->Interpolate || !this->Internal->Across.empty()))
-    throw lamella::ParameterError(this->Interpolate
-        ? "a segmentation error of conductivities interpolated between greys, which have no surfaces"
-        : "a segmentation error where conductivities differ along and across walls",
+  if (this->TellsSurfaces() && this->Interpolate)
+    throw lamella::ParameterError(
+      "a segmentation error of conductivities interpolated between greys, which have no surfaces",
       "leave it out, or give each phase one conductivity");
   const bool membranes = !this->Internal->Membrane.empty() || !this->Internal->Permeance.empty();
   if (membranes)
@@ -619,8 +618,10 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
         scene.phases, internal.Conductivity, &internal.Across, internal.AcrossUncertainty, scene.nodes);
       if (this->SmoothLabels)
         this->TakeLabels(scene);
-      if (!found.across.empty() && this->Lattice == D2Q9 && this->TellsSensitivity())
-        throw lamella::ParameterError("sensitivities to conductivities along and across walls on d2q9",
+      if (!found.across.empty() && this->Lattice == D2Q9 && (this->TellsSensitivity() || this->TellsSurfaces()))
+        throw lamella::ParameterError(
+          std::string(this->TellsSensitivity() ? "sensitivities to" : "a segmentation error of") +
+            " conductivities along and across walls on d2q9",
           "take q1, or leave the choice of the lattice");
       if (!found.across.empty() && this->Lattice != AUTO_LATTICE && this->Lattice != D2Q9 && this->Lattice != Q1)
         throw lamella::ParameterError(
@@ -652,7 +653,7 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   if (!found.across.empty() && this->Lattice == AUTO_LATTICE)
   {
     const bool links = lattice.dimension == 2 && lattice.cubes() && this->Sides != MIXED && !this->TellsSensitivity() &&
-      lbm::linksCarry(found.conductivity, found.across);
+      !this->TellsSurfaces() && lbm::linksCarry(found.conductivity, found.across);
     found.stencil = links ? lbm::Stencil::D2Q9 : lbm::Stencil::Q1;
   }
   if (!found.shares)

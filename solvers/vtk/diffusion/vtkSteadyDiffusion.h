@@ -329,7 +329,7 @@ public:
   /**
    * Also tell how the value changes where the surfaces between phases lie elsewhere, as far as the picture's
    * segmentation leaves it open: from the field of the solve, no other one is made. Needs a picture that was segmented,
-   * or the doubt in pixels.
+   * or the doubt in pixels. Conductivities along and across then go on elements.
    * @word segmentation-error
    * @group Accuracy and cost
    * @advanced

@@ -15,7 +15,7 @@ It is a thin layer: every function sets up one of the VTK classes that the packa
 ``vtkMicrostructureSource``, ``vtkGrainPacking``, ``vtkMatrixBridges``, ``vtkMicrographContours``,
 ``vtkMicrographLattice``, ``vtkOutlineDiffusion``, ``vtkSteadyDiffusion``, ``vtkLatticeBoltzmann``, ``vtkFluxMap``, ``vtkPoreFloodFill``,
 ``vtkBondEquilibrium``, ``vtkBondFracture``, ``vtkBondDynamics``, ``vtkBondStiffness``, ``vtkVoxelStiffness``, ``vtkPointCompression``,
-``vtkPointStiffness``, ``vtkStressPDF``, ``vtkCrackPath``, ``vtkCompressionCurve``, ``vtkCollapseMap``,
+``vtkPointStiffness``, ``vtkMaterialFit``, ``vtkStressPDF``, ``vtkCrackPath``, ``vtkCompressionCurve``, ``vtkCollapseMap``,
 ``vtkFileConverter`` ...),
 runs it and hands its output out as numpy arrays.
 
@@ -70,6 +70,7 @@ from ._errors import (
     OutOfMemoryError,
     ParameterError,
 )
+from ._fit import FitResult, fit
 from ._flux import FluxMapResult, flux_map
 from ._fracture import FractureResult, FractureState, fracture
 from ._packings import CementedSample, Packing, bridges, packing, packings, read_packing
@@ -107,6 +108,7 @@ __all__ = [
     "DivergenceError",
     "DynamicsResult",
     "EquilibriumResult",
+    "FitResult",
     "FluxMapResult",
     "FractureResult",
     "FractureState",
@@ -142,6 +144,7 @@ __all__ = [
     "disks",
     "dynamics",
     "equilibrium",
+    "fit",
     "flux_map",
     "fracture",
     "from_array",

@@ -166,13 +166,23 @@ def _whole(value, what):
     return int(found)
 
 
-def declared(kind, first=(), without=(), defaults=None, formerly=None, choice=None):
+def keywords_of(kind, words):
+    """Keywords of a class's settings, by their words in a command; of words that it does not have none."""
+    found, name = [], kind.__name__
+    while name in CLASSES:
+        found += [row.keyword for row in (Setting(*row) for row in CLASSES[name]) if row.word in words]
+        name = BASES.get(name)
+    return found
+
+
+def declared(kind, first=(), without=(), defaults=None, formerly=None, choice=None, hints=None):
     """Gives a function the settings of a class as keywords, in place of its parameter ``settings``, which is then a Settings.
 
     first     keywords of settings that may be given by position, behind the parameters before ``settings``
     without   keywords of settings that the function has no use for, or sees to itself
     choice    (keyword, word) that the function has taken: settings that do not count with it are left out
     defaults  {keyword: value} where the function's is not the class's
+    hints     {keyword: hint of its type} where the function takes more than the class
     formerly  {word of an earlier version: keyword, or a function that makes {keyword: value} of its value}
     """
     table, name, gone = {}, kind.__name__, ()
@@ -188,19 +198,22 @@ def declared(kind, first=(), without=(), defaults=None, formerly=None, choice=No
     whole = {keyword: setting for keyword, setting in table.items() if keyword not in without and keyword not in gone}
     table = {keyword: setting for keyword, setting in whole.items() if keyword not in fixed}
     table.update({keyword: table[keyword]._replace(default=value) for keyword, value in (defaults or {}).items()})
+    table.update({keyword: table[keyword]._replace(hint=hint) for keyword, hint in (hints or {}).items()})
 
     def decorate(function):
         own = inspect.signature(function)
-        parameters, later = [], []
+        parameters, later, others = [], [], []
         for parameter in own.parameters.values():
             if parameter.name == "settings":
                 parameters += [_parameter(table[keyword], inspect.Parameter.POSITIONAL_OR_KEYWORD) for keyword in first]
                 later = [_parameter(setting, inspect.Parameter.KEYWORD_ONLY) for name, setting in table.items() if name not in first]
+            elif parameter.kind is inspect.Parameter.VAR_KEYWORD:
+                others.append(parameter)
             elif later:
                 later.append(parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY))
             else:
                 parameters.append(parameter)
-        signature = own.replace(parameters=parameters + later)
+        signature = own.replace(parameters=parameters + later + others)
 
         @functools.wraps(function)
         def call(*given, **keywords):
@@ -212,7 +225,7 @@ def declared(kind, first=(), without=(), defaults=None, formerly=None, choice=No
                                   FutureWarning, stacklevel=2)
                     keywords = {**found, **keywords}
             for name in keywords:
-                if name not in signature.parameters:
+                if name not in signature.parameters and not others:
                     near = difflib.get_close_matches(name, signature.parameters, 1)
                     hint = f"; did you mean {near[0]!r}?" if near else f"; it takes {', '.join(signature.parameters)}"
                     raise TypeError(f"{function.__name__}() got an unexpected keyword argument {name!r}{hint}")
@@ -222,6 +235,8 @@ def declared(kind, first=(), without=(), defaults=None, formerly=None, choice=No
                 raise TypeError(f"{function.__name__}(): {error}; give settings by name") from None
             values = {**fixed, **(defaults or {}), **{name: value for name, value in bound.items() if name in table}}
             mine = {name: value for name, value in bound.items() if name not in table}
+            for parameter in others:
+                mine.update(mine.pop(parameter.name, {}))
             return function(settings=Settings({**table, **{name: whole[name] for name in fixed}}, values), **mine)
 
         call.__signature__ = signature

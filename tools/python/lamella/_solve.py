@@ -129,6 +129,20 @@ def run_on(image, algorithm, settings, progress=None):
     return algorithm
 
 
+def parted(settings):
+    """Conductivities (along, across) as the class takes them."""
+    given = settings.values
+    along, across = {}, dict(given.get("conductivity_across") or {})
+    for name, value in entries(given.get("conductivity"), "conductivity", "{phase: value}"):
+        pair = isinstance(value, (tuple, list))
+        if pair and len(value) != 2:
+            raise ValueError(f"the conductivity of {name!r} is {value!r}; give a number, or (along, across)")
+        along[name] = value[0] if pair else value
+        if pair:
+            across[name] = value[1]
+    given.update(conductivity=along, conductivity_across=across)
+
+
 @declared(vtkSteadyDiffusion, first=("conductivity", "direction", "sides", "quantity"), formerly={"fields": "field"})
 def diffusion(image: Image, settings: Settings, progress: Progress | None = None) -> DiffusionResult:
     """Solves steady diffusion and returns a DiffusionResult.
@@ -141,16 +155,8 @@ def diffusion(image: Image, settings: Settings, progress: Progress | None = None
     What is not asked for, field or flux, is not computed. A conductivity may be (along, across) where it differs along the
     wall, whose direction is the point array ``axis`` of a lattice from outlines.
     """
+    parted(settings)
     given = settings.values
-    along, across = {}, dict(given.get("conductivity_across") or {})
-    for name, value in entries(given.get("conductivity"), "conductivity", "{phase: value}"):
-        pair = isinstance(value, (tuple, list))
-        if pair and len(value) != 2:
-            raise ValueError(f"the conductivity of {name!r} is {value!r}; give a number, or (along, across)")
-        along[name] = value[0] if pair else value
-        if pair:
-            across[name] = value[1]
-    given.update(conductivity=along, conductivity_across=across)
     if given.get("method") == "algebraic":  # as it was called
         given["method"] = "algebraic-multigrid"
     if (given.get("shares") or given.get("interpolate")) and not isinstance(image, (ImageBase, vtkImageData)):

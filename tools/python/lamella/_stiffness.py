@@ -118,6 +118,11 @@ class StiffnessResult(WindowErrors, StiffnessBase):
         return _files.save_poly_data(self.vtk_directions, path, overwrite)
 
 
+def result_of(solve):
+    """What a vtkVoxelStiffness holds that has run."""
+    return StiffnessResult(solve.GetImage(), solve.GetTensor(), solve.GetConstants(), solve.GetDirections())
+
+
 @declared(vtkVoxelStiffness, first=("young", "poisson"))
 def stiffness(image: Image, settings: Settings, progress: Progress | None = None) -> StiffnessResult:
     """Effective stiffness tensor of a sample by elements, with its error; returns a StiffnessResult.
@@ -133,4 +138,4 @@ def stiffness(image: Image, settings: Settings, progress: Progress | None = None
     solve.SetInputData(sample)
     settings.give(solve, None if any(settings["shares"]) else lambda names, pairs: check_names(sample, names, pairs))
     run(solve, progress)
-    return StiffnessResult(solve.GetImage(), solve.GetTensor(), solve.GetConstants(), solve.GetDirections())
+    return result_of(solve)
