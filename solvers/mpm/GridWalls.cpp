@@ -35,13 +35,12 @@ bool odd(const Wall& wall, int axis, int c)
   return c == axis || wall.sticks;
 }
 
-/// What the nodes of one line add to the sums of a wall, or of a period.
+/// Adds what the nodes of one line have to the sums of a wall, or of a period.
 /// @param shifted velocity of the wall that the masters' momentum has already been changed for
 template <int Dim>
-WallSums lineSums(const BackgroundGrid<Dim>& grid, const MirrorPairs& pairs, std::span<double> nodes, int axis,
-  int side, std::int64_t line, double shifted = 0)
+void addLine(const BackgroundGrid<Dim>& grid, const MirrorPairs& pairs, std::span<double> nodes, int axis, int side,
+  std::int64_t line, WallSums& sums, double shifted = 0)
 {
-  WallSums sums;
   const GridAxis& g = grid.axis(axis);
   if (g.end(side) == Edge::Wall)
   {
@@ -60,7 +59,6 @@ WallSums lineSums(const BackgroundGrid<Dim>& grid, const MirrorPairs& pairs, std
     sums.mass += p.jump * p.jump * mass * (1 - share);
     sums.momentum += p.jump * (at(nodes, ghost, 1 + axis) - p.sign * share * momentum);
   }
-  return sums;
 }
 
 /// Of all ends of all axes, on this rank and for one body.
@@ -74,13 +72,8 @@ void addWallSums(const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, std::
       if (pairs.count == 0)
         continue;
       WallSums& sum = sums[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)];
-      forEachLine(grid, axis, Lines::Own,
-        [&](std::int64_t line)
-        {
-          const WallSums more = lineSums(grid, pairs, nodes, axis, side, line);
-          sum.mass += more.mass;
-          sum.momentum += more.momentum;
-        });
+      forEachLine(
+        grid, axis, Lines::Own, [&](std::int64_t line) { addLine(grid, pairs, nodes, axis, side, line, sum); });
     }
 }
 
@@ -133,7 +126,8 @@ void rub(const BackgroundGrid<Dim>& grid, const Walls<Dim>& walls, std::span<dou
   forEachLine(grid, axis, Lines::Real,
     [&](std::int64_t line)
     {
-      const WallSums sums = lineSums(grid, pairs, nodes, axis, side, line, wall.velocity);
+      WallSums sums;
+      addLine(grid, pairs, nodes, axis, side, line, sums, wall.velocity);
       const double pressed = (side == 0 ? -1 : 1) * (sums.momentum - sums.mass * wall.velocity);
       const std::int64_t i = line + step(grid, axis, near);
       const std::int64_t j = line + step(grid, axis, pairs.pair[0].master);
