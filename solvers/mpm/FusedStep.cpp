@@ -30,9 +30,10 @@ double roomAt(const GridAxis& g, int side)
 
 template <int Dim>
 FusedStep<Dim>::FusedStep(
-  MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const Vector<Dim>& gravity, bool single)
+  MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const Bodies& bodies, const Vector<Dim>& gravity, bool single)
   : points_(points)
   , kind_(law.kind())
+  , bodies_(bodies)
   , gravity_(gravity)
   , single_(single)
 {
@@ -55,10 +56,11 @@ void FusedStep<Dim>::sort(const BackgroundGrid<Dim>& grid)
   for (int a = 0; a < Dim; ++a)
     bases[static_cast<std::size_t>(a)] = grid.axis(a).cells + 1;
   std::vector<std::uint32_t> cellOf(count);
-  std::vector<std::uint32_t> first(static_cast<std::size_t>(bases[0] * bases[1] * bases[2]) + 1);
+  const std::int64_t each = bases[0] * bases[1] * bases[2]; // cells of a body
+  std::vector<std::uint32_t> first(static_cast<std::size_t>(bodies_.count * each) + 1);
   for (std::size_t p = 0; p < count; ++p)
   {
-    std::int64_t cell = 0;
+    auto cell = static_cast<std::int64_t>(bodies_.of(points_.phase()[p]));
     for (int a = Dim - 1; a >= 0; --a)
     {
       const double base = std::floor(grid.axis(a).coordinate(points_.column(a)[p]) - 0.5) + 1;
@@ -77,14 +79,14 @@ void FusedStep<Dim>::sort(const BackgroundGrid<Dim>& grid)
   const std::int64_t perLayer = bases[0] * (Dim == 3 ? bases[1] : 1);
   for (std::size_t c = 0; c + 1 < first.size(); ++c)
   {
-    if (c > 0 && static_cast<std::int64_t>(c) % (perLayer * stripeRows) == 0)
+    auto rest = static_cast<std::int64_t>(c) % each;
+    if (c > 0 && rest % (perLayer * stripeRows) == 0)
       stripes_.push_back(static_cast<std::int64_t>(cells_.size()));
     const std::uint32_t inside = first[c + 1];
     first[c + 1] += first[c];
     if (inside == 0)
       continue;
     PointCell cell{ {}, first[c] };
-    auto rest = static_cast<std::int64_t>(c);
     for (int a = 0; a < Dim; rest /= bases[static_cast<std::size_t>(a)], ++a)
       cell.base[a] = static_cast<std::int32_t>(rest % bases[static_cast<std::size_t>(a)]) - 1;
     cells_.push_back(cell);
@@ -206,6 +208,9 @@ void FusedStep<Dim>::sweep(
     for (std::int64_t s = colour; s < stripes; s += 2)
     {
       PointSweep mine = job;
+      const std::int64_t body = s * bodies_.count / stripes;
+      mine.velocity += body * to.count() * nodeValues;
+      mine.momentum += body * to.count() * nodeValues;
       kernel(mine, stripes_[static_cast<std::size_t>(s)], stripes_[static_cast<std::size_t>(s) + 1]);
       strays += mine.strays;
       far = far || mine.far;
@@ -252,7 +257,7 @@ template <int Dim>
 void FusedStep<Dim>::prepare(const BackgroundGrid<Dim>& grid, double kick)
 {
   sort(grid);
-  const auto values = static_cast<std::size_t>(grid.count()) * nodeValues;
+  const auto values = static_cast<std::size_t>(bodies_.count * grid.count()) * nodeValues;
   nodes_.assign(values, 0);
   next_.assign(values, 0);
   sweep(grid, grid, 0, kick, false, false);
@@ -300,10 +305,10 @@ void FusedStep<Dim>::takeBack(const io::Checkpoint& checkpoint, const Background
   const std::vector<std::int64_t>& stripes = checkpoint.integers("stripes");
   const std::vector<double>& nodes = checkpoint.reals("nodes");
   const auto count = static_cast<std::int64_t>(cells.size()) / (Dim + 1) - 1; // of cells
-  bool fits = count >= 1 && static_cast<std::int64_t>(nodes.size()) == grid.count() * nodeValues &&
-    stripes.size() >= 2 && stripes.front() == 0 && stripes.back() == count &&
-    std::is_sorted(stripes.begin(), stripes.end()) && cells[Dim] == 0 &&
-    cells.back() == static_cast<std::int64_t>(points_.count());
+  bool fits = count >= 1 && static_cast<std::int64_t>(nodes.size()) == bodies_.count * grid.count() * nodeValues &&
+    static_cast<int>(stripes.size()) % bodies_.count == 1 % bodies_.count && stripes.size() >= 2 &&
+    stripes.front() == 0 && stripes.back() == count && std::is_sorted(stripes.begin(), stripes.end()) &&
+    cells[Dim] == 0 && cells.back() == static_cast<std::int64_t>(points_.count());
   for (std::int64_t c = 0; fits && c < count; ++c)
   {
     const std::int64_t* cell = &cells[static_cast<std::size_t>(c * (Dim + 1))];

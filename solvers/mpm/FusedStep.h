@@ -2,6 +2,7 @@
 
 #include "io/Checkpoint.h"
 #include "mpm/BackgroundGrid.h"
+#include "mpm/BodyContact.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/PointLaw.h"
 #include "mpm/kernels/PointKernels.h"
@@ -15,15 +16,17 @@ namespace lamella::mpm
 
 /// The fast path of PointDynamics: points sorted by cell, one pass a step from grid to points to the next grid, by the
 /// kernels of PointKernels.h. Rows of cells (layers in 3D) are shared out in stripes of eight, every other one at a
-/// time, so that no two threads add to a node and the order of every sum is the same whatever their number.
+/// time, so that no two threads add to a node and the order of every sum is the same whatever their number. Bodies that
+/// are not joined follow each other: each has cells, stripes and nodes of its own.
 template <int Dim>
 class FusedStep
 {
 public:
-  /// @param points, law must outlive this
+  /// @param points, bodies must outlive this
   /// @param single whether the points' state is moved in single precision: places in their cells and F − I, which are
   /// given back to the points whenever those are sorted, or to be looked at
-  FusedStep(MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const Vector<Dim>& gravity, bool single = false);
+  FusedStep(MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const Bodies& bodies, const Vector<Dim>& gravity,
+    bool single = false);
 
   /// Whether the nodes hold mass and momentum of the points, forces over this time [s] included.
   [[nodiscard]] bool ready(double kick) const noexcept;
@@ -41,7 +44,7 @@ public:
   /// Sorts the points and gives to the grid.
   /// @throws DivergenceError: a point outside the grid, or not finite
   void prepare(const BackgroundGrid<Dim>& grid, double kick);
-  /// Mass and momentum, nodeValues a node; to be made velocities before run().
+  /// Mass and momentum, nodeValues a node, of one body after another; to be made velocities before run().
   [[nodiscard]] std::span<double> nodes() noexcept { return nodes_; }
   /// Moves the points by the velocities on the nodes, and gives to the next grid, which has as many nodes.
   /// @param keep whether the points get their velocities and gradients, which cost memory traffic and are needed only
@@ -61,6 +64,7 @@ private:
 
   MaterialPoints<Dim>& points_;
   LawKind kind_;
+  const Bodies& bodies_;
   Vector<Dim> gravity_;
   std::vector<double> constants_; ///< phase by phase
   bool onePhase_ = true;
@@ -68,7 +72,7 @@ private:
   double massScale_ = 1;              ///< of the state in single precision [kg]
   std::vector<float> state_;          ///< by the columns of StateColumns, each as long as those of the points
   std::vector<PointCell> cells_;      ///< and one behind the last
-  std::vector<std::int64_t> stripes_; ///< first cell of each, and one behind the last
+  std::vector<std::int64_t> stripes_; ///< first cell of each, and one behind the last; of each body as many
   std::vector<double> nodes_;
   std::vector<double> next_;
   double kick_ = 0; ///< that the nodes were given forces for; 0: they hold nothing

@@ -24,8 +24,10 @@ class Reach
 public:
   static constexpr int nodes = Dim == 2 ? Shape::nodes * Shape::nodes : Shape::nodes * Shape::nodes * Shape::nodes;
 
-  Reach(const BackgroundGrid<Dim>& grid, const Vector<Dim>& x, const Vector<Dim>& width)
+  /// @param first node of the point's body
+  Reach(const BackgroundGrid<Dim>& grid, const Vector<Dim>& x, const Vector<Dim>& width, std::int64_t first)
     : x_(x)
+    , first_(first)
   {
     for (int a = 0; a < Dim; ++a)
     {
@@ -53,7 +55,7 @@ public:
     for (int n = 0; n < nodes; ++n)
     {
       std::array<int, Dim> part;
-      std::int64_t at = 0;
+      std::int64_t at = first_;
       Vector<Dim> gradient;
       Vector<Dim> offset;
       double value = 1;
@@ -79,6 +81,7 @@ public:
 
 private:
   Vector<Dim> x_;
+  std::int64_t first_;
   std::array<AxisShape<Shape::nodes>, Dim> shape_;
   std::array<double, Dim> moment_;
   std::array<double, Dim> spacing_;
@@ -112,7 +115,7 @@ public:
     Values old = zero();
     Values velocity = zero();
     scatter(old, velocity);
-    constrain(s_.grid, s_.walls, std::span<double>(velocity), s_.kick, true, s_.rows);
+    constrain(s_.grid, s_.walls, std::span<double>(velocity), s_.kick, true, s_.rows, &points_);
     if (s_.options.mass == MassMatrix::Consistent)
     {
       solveConsistent(velocity, momentum_, s_.kick, true);
@@ -140,7 +143,10 @@ public:
 private:
   using Nodes = Reach<Dim, Shape>;
 
-  [[nodiscard]] Values zero() const { return Values(static_cast<std::size_t>(s_.grid.count()) * nodeValues); }
+  [[nodiscard]] Values zero() const
+  {
+    return Values(static_cast<std::size_t>(s_.walls.bodies.count * s_.grid.count()) * nodeValues);
+  }
 
   [[nodiscard]] Nodes reachOf(std::size_t p) const
   {
@@ -153,7 +159,8 @@ private:
       for (int a = 0; a < Dim; ++a)
         width[a] = std::fmin(1.0, share);
     }
-    return Nodes(s_.grid, points_.vector(Points::positions, p), width);
+    const auto body = static_cast<std::int64_t>(s_.walls.bodies.of(points_.phase()[p]));
+    return Nodes(s_.grid, points_.vector(Points::positions, p), width, body * s_.grid.count());
   }
 
   /// Momentum of the points, and with what forces add to it.

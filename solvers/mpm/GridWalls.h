@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mpm/BackgroundGrid.h"
+#include "mpm/BodyContact.h"
 
 #include <array>
 #include <cstddef>
@@ -17,7 +18,9 @@ struct Wall
   bool sticks =
     false; ///< holds what touches it along itself too; else it is frictionless. A frame of reference at rest
   double velocity = 0; ///< along the axis [m/s]: given, or of a straight wall what was found
-  double force = 0;    ///< of the body on it, along the axis, when the last step began [N], [N/m] in 2D
+  /// Coulomb's coefficient, 0 or above: of a wall that is neither straight nor sticks.
+  double friction = 0;
+  double force = 0; ///< of the body on it, along the axis, when the last step began [N], [N/m] in 2D
 };
 
 /// Lower (0) and upper (1) of every axis. Of a periodic axis the upper one says how fast the period grows.
@@ -27,6 +30,7 @@ struct Walls
   std::array<std::array<Wall, 2>, Dim> wall{};
   /// Mass of a node [kg], up to which its velocity is set to 0: sums over whole cells have lost it in round-off.
   double least = 1e-300;
+  Bodies bodies{}; ///< that are between them
 
   Wall& operator()(int axis, int side) { return wall[static_cast<std::size_t>(axis)][static_cast<std::size_t>(side)]; }
   const Wall& operator()(int axis, int side) const
@@ -104,13 +108,21 @@ class SharedRows;
 /// the velocity at which the momentum that they add vanishes, which is linear in it:
 /// added = μ V − π, μ = Σ m₀ + Σ j² m_g (1 − m_g/M), π = Σ p₀ + Σ j (p_g − s m_g P/M),
 /// over the nodes on the wall (m₀, p₀) and its pairs (ghost m_g, p_g; folded master M, P; sign s, jump j).
-/// @param nodes mass and momentum, nodeValues a node; then folded mass and velocity
+///
+/// Where bodies meet, and walls have friction, impulses come in between, and straight walls are found anew. Friction of
+/// a wall acts where each line of nodes meets it, on the velocity that splines have there, ¾ v₀ + ¼ v₁ = u: the impulse
+/// −λ u/|u| on it is what stops it, and at most the coefficient times the one that presses the line's nodes on the
+/// wall. So it never adds energy, and adds up to the coefficient times the wall's force wherever all lines are pressed
+/// on it and slide.
+/// @param nodes mass and momentum, nodeValues a node, of one body after another; then folded mass and velocity
 /// @param kick over which the momentum was changed [s]: forces are momentum over it
-/// @param find whether straight walls' velocities are to be found; else all are taken as they are
+/// @param find whether straight walls' velocities are to be found, and impulses of contact and friction; else all are
+/// taken as they are, and bodies as if they did not meet
 /// @param rows of a grid that several ranks share: each gives what its own points have given; collective then
+/// @param points that gave to the nodes, where several bodies are to meet
 template <int Dim>
 void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<double> nodes, double kick, bool find,
-  SharedRows<Dim>* rows = nullptr);
+  SharedRows<Dim>* rows = nullptr, const MaterialPoints<Dim>* points = nullptr);
 
 /// Adds ghosts to their masters with their sign: mass (component −1) or a component, linear (V = 0).
 template <int Dim>

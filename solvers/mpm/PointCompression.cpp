@@ -6,6 +6,7 @@
 #include "mpm/WaveFactor.h"
 
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <bit>
@@ -96,6 +97,7 @@ PointCompression<Dim>::PointCompression(
     if (a == at)
     {
       side[0].sticks = side[1].sticks = options_.grip;
+      side[0].friction = side[1].friction = options_.platenFriction;
       continue;
     }
     area_ *= options_.upper[a] - options_.lower[a];
@@ -229,6 +231,11 @@ std::string PointCompression<Dim>::scene(const MaterialPoints<Dim>& points, cons
     text += fmt::format("box along axis {}: {} to {}\n", a, o.lower[a], o.upper[a]);
   line("sides", static_cast<int>(o.sides));
   line("platens grip", o.grip ? "yes" : "no");
+  if (o.platenFriction != 0)
+    line("friction of the platens", o.platenFriction);
+  if (o.motion.bodies.count > 1)
+    text += fmt::format("bodies of the phases: {}\nfriction between bodies: {}\n",
+      fmt::join(o.motion.bodies.ofPhase, " "), fmt::join(o.motion.bodies.friction, " "));
   line("last strain", o.strain);
   line("rows", o.rows);
   line("energy ratio", o.energyRatio);

@@ -34,7 +34,8 @@ struct CompressionOptions
   std::array<double, Dim> upper{};
   double strain = 0.48; ///< to end at, 1 − H/H₀, below 1
   LateralSides sides = LateralSides::Straight;
-  bool grip = false; ///< platens do not let slide
+  bool grip = false;         ///< platens do not let slide
+  double platenFriction = 0; ///< Coulomb's coefficient of both platens, 0 or above; not with grip
 
   /// Kinetic over elastic energy that is allowed from strain `calmFrom` on, or from half of `strain` where that is
   /// less; before it (calmFrom/ε)² times as much, which is what a body whose stiffness does not change has at one
@@ -60,8 +61,8 @@ struct CompressionOptions
 
   io::CheckpointOptions checkpoint{}; ///< `every` in steps; looked at every 200 or so
   std::filesystem::path continueFrom{};
-  /// How the points move: spacing, shape, transfer, mass, update, fused, step, share. Its sides, gravity, acceleration
-  /// and progress are not used.
+  /// How the points move: spacing, bodies, shape, transfer, mass, update, fused, step, share. Its sides, gravity,
+  /// acceleration and progress are not used.
   PointDynamicsOptions<Dim> motion{};
 };
 

@@ -52,12 +52,14 @@ PointDynamics<Dim>::PointDynamics(
     for (int side = 0; side < 2; ++side)
     {
       const Side& given = options_.sides[static_cast<std::size_t>(a)][static_cast<std::size_t>(side)];
-      walls_(a, side) = Wall{ given.straight, given.sticks, given.straight ? 0 : given.velocity, 0 };
+      walls_(a, side) = Wall{ given.straight, given.sticks, given.straight ? 0 : given.velocity, given.friction, 0 };
     }
   double heaviest = 0;
   for (const double mass : points_.column(MaterialPoints<Dim>::masses))
     heaviest = std::max(heaviest, mass);
   walls_.least = worthMass * options_.comm.max(heaviest);
+  walls_.bodies = options_.bodies;
+  walls_.bodies.density = densities();
   for (const auto& side : options_.sides)
     walled_ = walled_ && side[0].edge == Edge::Wall && side[1].edge == Edge::Wall;
   layGrid(false);
@@ -67,8 +69,8 @@ PointDynamics<Dim>::PointDynamics(
   if (options_.fused && options_.shape == Shape::QuadraticSpline && options_.mass == MassMatrix::Lumped &&
     options_.transfer == Transfer::Apic && options_.update == StressUpdate::Last && !options_.acceleration &&
     static_cast<int>(law_->kind()) < lawKinds)
-    fused_ =
-      std::make_unique<FusedStep<Dim>>(points_, *law_, options_.gravity, options_.precision == Precision::Single);
+    fused_ = std::make_unique<FusedStep<Dim>>(
+      points_, *law_, walls_.bodies, options_.gravity, options_.precision == Precision::Single);
   checkOptions(fused_ || options_.precision == Precision::Double, "single precision, but the step is not a fused one",
     "take quadratic splines, lumped mass, APIC, stress last, an elastic law and no acceleration; or double");
   checkOptions(!options_.comm.parallel() ||
@@ -136,6 +138,61 @@ void PointDynamics<Dim>::check() const
   }
   checkOptions(law_->phases() == 1 || law_->phases() >= phases,
     fmt::format("a law of {} phases for points of {}", law_->phases(), phases), "give the law of each phase");
+  checkContact(phases);
+}
+
+template <int Dim>
+void PointDynamics<Dim>::checkContact(std::size_t phases) const
+{
+  const auto& o = options_;
+  const auto fine = [](double friction) { return std::isfinite(friction) && friction >= 0; };
+  bool rubs = o.bodies.count > 1;
+  for (const auto& ends : o.sides)
+    for (const Side& side : ends)
+    {
+      checkOptions(fine(side.friction), fmt::format("a wall's friction of {}", side.friction), "finite, 0 or above");
+      checkOptions(side.friction == 0 || (side.edge == Edge::Wall && !side.straight && !side.sticks),
+        "friction at an end that is no wall, is straight or sticks", "take a wall that slides and has its velocity");
+      rubs = rubs || side.friction > 0;
+    }
+  checkOptions(
+    !rubs || o.mass == MassMatrix::Lumped, "friction with a consistent mass", "take a lumped mass, or no friction");
+  const auto count = static_cast<std::size_t>(std::max(o.bodies.count, 0));
+  checkOptions(count >= 1 && (count == 1 || o.bodies.friction.size() == count * count),
+    fmt::format("{} bodies and {} coefficients of friction", o.bodies.count, o.bodies.friction.size()),
+    "one body at least, and a coefficient for each pair");
+  if (count == 1)
+    return;
+  checkOptions(o.precision == Precision::Double, "bodies that are not joined, in single precision", "take double");
+  checkOptions(!o.comm.parallel(), fmt::format("{} bodies that are not joined, on {} ranks", count, o.comm.size()),
+    "take one rank, or no friction between phases");
+  checkOptions(o.bodies.ofPhase.size() >= phases &&
+      std::all_of(o.bodies.ofPhase.begin(), o.bodies.ofPhase.end(), [&](std::uint8_t b) { return b < count; }),
+    fmt::format("bodies of {} phases for points of {}", o.bodies.ofPhase.size(), phases),
+    "give each phase a body, from 0 on");
+  for (std::size_t a = 0; a < count; ++a)
+    for (std::size_t b = 0; b < count; ++b)
+    {
+      const double friction = o.bodies.friction[a * count + b];
+      checkOptions(fine(friction) && friction == o.bodies.friction[b * count + a],
+        fmt::format("a friction of {} between the bodies {} and {}", friction, a, b), "finite, 0 or above, symmetric");
+    }
+}
+
+template <int Dim>
+std::vector<double> PointDynamics<Dim>::densities() const
+{
+  std::vector<double> mass(static_cast<std::size_t>(options_.bodies.count));
+  std::vector<double> volume(mass.size());
+  for (std::size_t p = 0; p < points_.count(); ++p)
+  {
+    const std::size_t body = options_.bodies.of(points_.phase()[p]);
+    mass[body] += points_.column(MaterialPoints<Dim>::masses)[p];
+    volume[body] += points_.column(MaterialPoints<Dim>::volumes)[p];
+  }
+  for (std::size_t b = 0; b < mass.size(); ++b)
+    mass[b] = volume[b] > 0 ? mass[b] / volume[b] : 1; // of a body without points: never asked for
+  return mass;
 }
 
 template <int Dim>
@@ -170,7 +227,8 @@ bool PointDynamics<Dim>::measureFactor()
     factor_ = otherShapes;
     return true;
   }
-  const auto seen = measured_.measure(points_, grid_, factor_ == 0 ? 24 : 8, options_.comm, [this] { return stops(); });
+  const auto seen =
+    measured_.measure(points_, grid_, walls_.bodies, factor_ == 0 ? 24 : 8, options_.comm, [this] { return stops(); });
   if (!seen)
     return false;
   // transfers that smooth velocities (T) are stable up to the greatest eigenvalue of (½ M (1 + T))⁻¹ K
@@ -330,7 +388,7 @@ void PointDynamics<Dim>::fusedStep(double dt, double kick, bool look)
     layGrid(false);
     prepare(kick);
   }
-  constrain(ranks_.local(grid_), walls_, fused_->nodes(), kick, true, ranks_.rows());
+  constrain(ranks_.local(grid_), walls_, fused_->nodes(), kick, true, ranks_.rows(), &points_);
   addWork(kick);
   moveWalls(dt);
   const BackgroundGrid<Dim> old = grid_;

@@ -67,6 +67,7 @@ struct Side
   double velocity = 0;   ///< of a wall along the axis; of an upper periodic end: how fast the period grows [m/s]
   bool straight = false; ///< no force: its velocity is found; also the rate of a period
   bool sticks = false;   ///< a wall that does not let slide
+  double friction = 0;   ///< Coulomb's coefficient of a wall that is neither straight nor sticks, 0 or above
 };
 
 template <int Dim>
@@ -74,6 +75,8 @@ struct PointDynamicsOptions
 {
   double spacing = 0; ///< of the grid [m]; between walls the nearest that divides their distance
   std::array<std::array<Side, 2>, Dim> sides{};
+  /// What is not joined, on one rank; its densities are found. Like friction, with lumped mass only.
+  Bodies bodies{};
   Shape shape = Shape::QuadraticSpline;
   Transfer transfer = Transfer::Apic;
   int xpicOrder = 2; ///< m ≥ 1; 1 is PIC
@@ -119,7 +122,8 @@ public:
   /// two with one number. With the first step each point goes to the rank in whose slab of the grid it is.
   /// @throws ParameterError: options outside their range; a step above the stable one, which it names; fewer than three
   /// cells between walls; a law with fewer phases than the points have; several ranks and a transfer or mass that they
-  /// do not take, or fewer than four rows of cells each
+  /// do not take, several bodies, or fewer than four rows of cells each; friction below 0, or with walls that are
+  /// straight or stick, or with a consistent mass
   /// @throws InputError: no points, or points without mass or volume, outside the walls, or not finite
   /// @throws Cancelled: progress() asked to stop
   PointDynamics(
@@ -197,6 +201,8 @@ public:
 
 private:
   void check() const;
+  void checkContact(std::size_t phases) const;
+  [[nodiscard]] std::vector<double> densities() const; ///< of the bodies, of this rank's points
   /// Cells where the walls are now; of open axes where the points are, unless `keep`.
   void layGrid(bool keep);
   [[nodiscard]] GridAxis layAxis(int a, bool keep) const;

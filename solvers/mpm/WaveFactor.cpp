@@ -82,9 +82,10 @@ class Spread
 {
 public:
   using Points = MaterialPoints<Dim>;
-  Spread(const Points& points, const BackgroundGrid<Dim>& grid)
+  Spread(const Points& points, const BackgroundGrid<Dim>& grid, const Bodies& bodies)
     : points_(points)
     , grid_(grid)
+    , bodies_(bodies)
     , mass_(points.column(Points::masses))
     , h_(grid.smallestSpacing())
   {
@@ -146,7 +147,7 @@ private:
   bool reach(std::size_t p, Reach<Dim>& r) const
   {
     std::array<AxisShape<3>, Dim> s;
-    r.first = 0;
+    r.first = static_cast<std::int64_t>(bodies_.of(points_.phase()[p])) * grid_.count();
     for (int a = 0; a < Dim; ++a)
     {
       const auto i = static_cast<std::size_t>(a);
@@ -174,6 +175,7 @@ private:
 
   const Points& points_;
   const BackgroundGrid<Dim>& grid_;
+  const Bodies& bodies_;
   std::span<const double> mass_;
   double h_;
   std::array<std::int64_t, Reach<Dim>::splines> jump_{};
@@ -207,10 +209,10 @@ WaveFactor<Dim>::WaveFactor(double bulk)
 
 template <int Dim>
 std::optional<double> WaveFactor<Dim>::measure(const MaterialPoints<Dim>& points, const BackgroundGrid<Dim>& grid,
-  int passes, const Communicator& comm, const std::function<bool()>& stop)
+  const Bodies& bodies, int passes, const Communicator& comm, const std::function<bool()>& stop)
 {
-  const auto nodes = static_cast<std::size_t>(grid.count());
-  const Spread<Dim> spread(points, grid);
+  const auto nodes = static_cast<std::size_t>(bodies.count * grid.count());
+  const Spread<Dim> spread(points, grid, bodies);
   std::vector<double> scale(nodes); // 1/√M
   spread.addMass(scale);
   comm.sum(scale);

@@ -2,6 +2,7 @@
 
 #include "core/Communicator.h"
 #include "mpm/BackgroundGrid.h"
+#include "mpm/BodyContact.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/PointLaw.h"
 
@@ -23,11 +24,12 @@ public:
   /// @param bulk greatest eigenvalue of C over a: see bulkRatio()
   explicit WaveFactor(double bulk);
   /// Power iteration, from where the last call ended. Comes near from below: within 6 % after 24 passes.
-  /// @param points of this rank  @param grid of all: each rank takes 8 (3 Dim + 1) bytes a node
+  /// @param points of this rank  @param grid of all: each rank takes 8 (3 Dim + 1) bytes a node and body
+  /// @param bodies that are not joined
   /// @param stop asked before each pass, the same on all ranks  @return none where it stopped: it is then as before.
   /// Collective
   [[nodiscard]] std::optional<double> measure(const MaterialPoints<Dim>& points, const BackgroundGrid<Dim>& grid,
-    int passes, const Communicator& comm, const std::function<bool()>& stop);
+    const Bodies& bodies, int passes, const Communicator& comm, const std::function<bool()>& stop);
   /// By node of the last grid, where the last call ended; nothing before the first.
   [[nodiscard]] const std::vector<double>& field() const noexcept { return field_; }
   /// Goes on from there. @param field of another number of nodes counts for nothing

@@ -247,6 +247,25 @@ class Compression(Case):
         finer = self.works("compression", "thin.png", *TISSUE[2:], "--stiffness-only", "--cells-per-node", "2", "--json").json()
         self.assertEqual((finer["cells_across_walls"], finer["warnings"]), (2, []))
 
+    def test_friction(self):
+        # two walls, one on the other: what is not joined slides, and what rubs holds
+        rows = [[255 if y < 8 else 128 for _ in range(24)] for y in range(16)]
+        self.write("two.png", pictures.png(rows, pixels_per_metre=1000000))
+        words = ["compression", "two.png", "--phase", "255=wall", "--phase", "128=soft", *QUICK, "--sides", "open", "--young",
+                 "soft=1e9", "--poisson", "soft=0.45", "--first-speed", "1e-3", "--most-speed", "2e-3", "--json"]
+        words = [word for i, word in enumerate(words) if not (word == "--first-speed" and words[i + 1] == "1e-2")
+                 and not (word == "1e-2" and words[i - 1] == "--first-speed")]
+        slides = self.works(*words, "--friction", "wall-soft=0").json()["stress"]
+        rubs = self.works(*words, "--friction", "wall-soft=0.3").json()["stress"]
+        joined = self.works(*words).json()["stress"]
+        platens = self.works(*words, "--platen-friction", "0.3").json()["stress"]
+        self.assertLess(slides, rubs)
+        self.assertLess(rubs, joined * 1.01)
+        self.assertLess(joined, platens)
+        several = self.run_lamella(*words, "--friction", "wall-soft=0.3", ranks=2)
+        self.assertEqual(several.code, 2)
+        self.assertEqual(several.err.count("error: 2 bodies that are not joined, on 2 ranks\nhint: take one rank"), 1)
+
     def test_refused(self):
         gap = [[0] * 23] * 3 + self.rows
         self.write("gap.png", pictures.png(gap, pixels_per_metre=1000000))
@@ -277,6 +296,9 @@ class Compression(Case):
             (2, "walls that yield in plane stress", "plane strain", ["--law", "plastic", "--plane", "plane-stress"]),
             (2, "is unstable: the largest stable one is", "take a smaller one", ["--time-step", "1e-3"]),
             (2, "most speed 2 is not below 1", "below 1", ["--most-speed", "2"]),
+            (2, "platens that grip, and have a friction of 0.3", "one of the two", ["--grip", "--platen-friction", "0.3"]),
+            (2, "friction of 'wall' with itself", "another phase", ["--friction", "wall=0.3"]),
+            (2, "friction of 'lumen', which has no points", "leave the pair out", ["--friction", "wall-lumen=0.3"]),
             (2, "a load along z of a picture", "x or y", ["--axis", "z"]),
             (2, "--stress without a file to write to", "-o FILE.vtp", ["--stress"]),
             (2, "-o 'p.vti': points are written as .vtp", "--curve", ["-o", "p.vti"]),

@@ -467,6 +467,16 @@ TEST_F(Points, MistakesAreTold)
         f->AddVoid("lumen");
         f->SetPhaseConstant("lumen", "young", 1e9);
       } },
+    { "platen friction -1 is below 0", [](auto* f, auto*) { f->SetPlatenFriction(-1); } },
+    { "platens that grip, and have a friction of 0.3",
+      [](auto* f, auto*)
+      {
+        f->GripOn();
+        f->SetPlatenFriction(0.3);
+      } },
+    { "friction of 'wall-wol', which is no pair of phases", [](auto* f, auto*) { f->SetFriction("wall-wol", 0.3); } },
+    { "friction of 'wall' with itself", [](auto* f, auto*) { f->SetFriction("wall", 0.3); } },
+    { "friction of 'lumen', which has no points", [](auto* f, auto*) { f->SetFriction("wall-lumen", 0.3); } },
     { "all 168 nodes are void",
       [](auto* f, auto*)
       {
@@ -491,6 +501,60 @@ TEST_F(Points, MistakesAreTold)
     EXPECT_EQ(filter->GetFailure(), mistake.failure);
     EXPECT_EQ(filter->GetCurve()->GetNumberOfRows(), 0);
   }
+}
+
+// Platens that rub press a block harder than those that let slide, up to those that grip; layers that are not joined
+// squeeze out of each other, by less where they rub.
+TEST_F(Points, FrictionOfPlatensAndPhases)
+{
+  const auto image = picture(
+    24, 12, 1, [](int, int y, int) { return y / 4; }, spacing);
+  setFieldTexts(image, "phase_names", std::vector<std::string>{ "lower", "middle", "upper" });
+  const auto stress = [&](double poisson, const auto& change)
+  {
+    vtkNew<vtkPointCompression> filter;
+    quick(filter);
+    filter->SetInputData(image);
+    filter->SetSides(vtkPointCompression::OPEN);
+    filter->SetFirstSpeed(1e-3);
+    filter->SetMostSpeed(2e-3);
+    filter->SetPlane(vtkPointCompression::PLANE_STRAIN);
+    filter->SetPoissonsRatio(poisson);
+    change(filter.GetPointer());
+    EXPECT_EQ(errorOf(filter), "");
+    return fieldNumbers(filter->GetPoints(), "stress").at(0);
+  };
+  const auto platens = [&](double friction) { return stress(0.45, [&](auto* f) { f->SetPlatenFriction(friction); }); };
+  const double slides = platens(0);
+  const double rubs = platens(0.05);
+  const double rubsMore = platens(0.2);
+  const double grips = stress(
+    0.45, [](auto* f) { f->GripOn(); });
+  const auto between = [&](double friction)
+  {
+    return stress(0.45,
+      [&](auto* f)
+      {
+        f->SetPhaseConstant("middle", "young", 1e9);
+        f->SetFriction("middle-lower", friction);
+        f->SetFriction("middle-upper", friction);
+        f->SetFriction("lower-upper", friction);
+      });
+  };
+  const double loose = between(0);
+  const double rough = between(0.1);
+  const double joined = stress(0.45, [&](auto* f) { f->SetPhaseConstant("middle", "young", 1e9); });
+  // measured 342, 362, 412, 514 and 127, 147, 167 MPa
+  EXPECT_GT(rubs, slides);
+  EXPECT_GT(rubsMore, rubs);
+  EXPECT_GT(grips, rubsMore);
+  EXPECT_GT(rough, loose);
+  EXPECT_GT(joined, rough);
+  vtkNew<vtkPointCompression> open;
+  open->SetInputData(image);
+  open->SetFriction("middle-lower", 0.1);
+  EXPECT_NE(
+    errorOf(open).find("friction of 'lower-middle', which are both joined to another phase"), std::string::npos);
 }
 
 // Arrays of other whole numbers than bytes have only the phases that they hold; a name that no node has is no slip.

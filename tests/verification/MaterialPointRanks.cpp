@@ -121,6 +121,31 @@ TEST(MaterialPointRanks, BarBetweenPlatens)
     100, 1e-10, true); // measured 2e-14
 }
 
+// Friction acts line by line: the same on both sides of a cut, whether it runs along the platen or not.
+TEST(MaterialPointRanks, BlockThatRubsOnPlatens)
+{
+  for (const int axis : { 0, 1 })
+    expectSame<2>(
+      [axis](const Communicator& comm)
+      {
+        const int along = 1 - axis;
+        std::array<int, 2> cells{ 10, 40 };
+        PointDynamicsOptions<2> options;
+        options.spacing = 1;
+        options.sides[static_cast<std::size_t>(axis)] = { wallAt(0),
+          wallAt(cells[static_cast<std::size_t>(axis)], -0.1) };
+        for (Side& side : options.sides[static_cast<std::size_t>(axis)])
+          side.friction = 0.2;
+        options.sides[static_cast<std::size_t>(along)] = { straightAt(0),
+          straightAt(cells[static_cast<std::size_t>(along)]) };
+        options.gravity[along] = 0.01;
+        options.comm = comm;
+        return std::make_unique<PointDynamics<2>>(
+          shareOf(filled<2>(cells, 1, 2, 1), comm), neoHookean<2>(1, 0.3), options);
+      },
+      100, 1e-10, true);
+}
+
 // What only the plain path can do: walls that yield, GIMP, PIC, stress from what points give back.
 TEST(MaterialPointRanks, BarThatYields)
 {

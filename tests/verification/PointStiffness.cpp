@@ -1,6 +1,7 @@
 // Implicit stiffness of material points: exact values, convergence, published values, what has no stiffness.
 #include "MaterialPointSamples.h"
 #include "PointBox.h"
+#include "PointChance.h"
 
 #include "core/Error.h"
 #include "elasticity/ElasticConstants.h"
@@ -25,6 +26,9 @@ namespace
 using namespace lamella;
 using namespace lamella::mpm;
 using samples::Body;
+using samples::Chance;
+using samples::periodicAt;
+using samples::setVelocities;
 
 constexpr double young = 1e9;
 
@@ -108,6 +112,111 @@ TEST(PointStiffness, BlockInSpace)
   const auto u = pointStiffness(straight.points, *law, o).along(2);
   EXPECT_NEAR(u.modulus, 8e9, 1e-9 * 8e9);
   EXPECT_NEAR(u.strain[0], -0.3, 1e-9);
+}
+
+constexpr OrthotropicMaterial spruce{ .along = 8e9,
+  .across = 2e9,
+  .poissonsRatio = 0.3,
+  .acrossRatio = 0.25,
+  .shearModulus = 0.7e9 };
+
+/// Along z of a bar whose fibres are at an angle of cosine c to it.
+double youngAt(double c)
+{
+  const double cc = c * c;
+  return 1 / (cc * cc / 8e9 + (1 - cc) * (1 - cc) / 2e9 + cc * (1 - cc) * (1 / 0.7e9 - 0.6 / 8e9));
+}
+
+// 1/E = c⁴/E_a + s⁴/E_t + s²c² (1/G − 2ν/E_a), whatever the fibres' direction: exact between periods.
+TEST(PointStiffness, FibresOfAnyDirectionInSpace)
+{
+  Chance<3> chance;
+  const auto law = makeLaw<3, Orthotropic>({ orthotropicConstants<3>(spruce) });
+  for (int trial = 0; trial < 6; ++trial)
+  {
+    const Vector<3> axis = chance.direction();
+    const Body<3> body({ 1, 1.2, 1 }, { 5, 6, 5 }, 2, full, axis);
+    const auto r = body.solve(*law, { BoxSides::Periodic, BoxSides::Periodic, BoxSides::Periodic });
+    const auto constants = elasticity::elasticConstants(r.stiffness, 3);
+    for (int i = 0; i < 3; ++i)
+      EXPECT_NEAR(constants.youngsModulus[static_cast<std::size_t>(i)], youngAt(axis[i]), 1e-9 * 8e9) << trial;
+  }
+}
+
+// A bar with free sides shears between its platens; splines there are even across a platen, which shear is not.
+TEST(PointStiffness, SlantedBarBetweenPlatensInSpace)
+{
+  const auto law = makeLaw<3, Orthotropic>({ orthotropicConstants<3>(spruce) });
+  const double c = std::cos(std::numbers::pi / 6);
+  const Vector<3> axis{ { 0.3, 0.4, c } };
+  std::vector<double> errors;
+  for (const int cells : { 5, 10 })
+  {
+    const Body<3> body({ 1, 1, 1 }, { cells, cells, cells }, 2, full, axis);
+    const auto bar = body.solve(*law, { BoxSides::Open, BoxSides::Open, BoxSides::Walls });
+    errors.push_back(bar.along(2).modulus / youngAt(c) - 1);
+  }
+  // measured 1.66 and 0.84 %
+  EXPECT_GT(samples::order(errors), 0.95);
+  EXPECT_LT(errors.back(), 0.009);
+}
+
+// The block in motion, in periods of which one grows and two as they must: begun with the velocities of its strain it
+// deforms evenly, and the period feels what is left of the stiffness where two normal stresses and all shear vanish.
+TEST(PointStiffness, FibresOfAnyDirectionInMotion)
+{
+  Chance<3> chance;
+  const auto constants = orthotropicConstants<3>(spruce);
+  const auto law = makeLaw<3, Orthotropic>({ constants });
+  for (int trial = 0; trial < 4; ++trial)
+  {
+    const Vector<3> axis = chance.direction();
+    Matrix<3> C; // of normal strains
+    for (int j = 0; j < 3; ++j)
+    {
+      Matrix<3> e{};
+      e(j, j) = 1;
+      const Matrix<3> t = Orthotropic::hooke(constants.data(), e, axis);
+      for (int i = 0; i < 3; ++i)
+        C(i, j) = t(i, i);
+    }
+    const Matrix<3> inverse = cofactor(C); // times det C, symmetric
+    const double modulus = determinant(C) / inverse(2, 2);
+    const double rate = 1e-2; // over the wave's time through it, 4e-4 s: 4e-6
+    Body<3> body({ 1, 1, 1 }, { 4, 4, 4 }, 2, full, axis);
+    for (double& mass : body.points.column(MaterialPoints<3>::masses))
+      mass = 1500.0 / 512;
+    setVelocities<3>(body.points,
+      [&](const Vector<3>& x)
+      {
+        Vector<3> v;
+        for (int i = 0; i < 3; ++i)
+          v[i] = rate * inverse(i, 2) / inverse(2, 2) * x[i];
+        return v;
+      });
+    PointDynamicsOptions<3> o;
+    o.spacing = 0.25;
+    for (auto& side : o.sides)
+    {
+      side = { periodicAt(0), periodicAt(1) };
+      side[1].straight = true;
+    }
+    o.sides[2][1].straight = false;
+    o.sides[2][1].velocity = rate;
+    PointDynamics<3> block(std::move(body.points), law, o);
+    ASSERT_TRUE(block.fused());
+    block.advanceTo(1e-2);
+    const double strain = rate * (block.time() - block.step()); // forces are those of the last step's start
+    EXPECT_NEAR(-block.wall(2, 1).force / (modulus * strain), 1, 1e-7) << trial; // inertia: measured 1e-8
+    double worst = 0;
+    for (std::size_t p = 0; p < block.points().count(); ++p)
+      for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j)
+          worst = std::max(worst,
+            std::fabs(block.points().matrix(MaterialPoints<3>::deformations, p)(i, j) - (i == j ? 1 : 0) -
+              (i == j ? rate * block.time() * inverse(i, 2) / inverse(2, 2) : 0)));
+    EXPECT_LT(worst, 1e-11) << trial; // of 1e-4
+  }
 }
 
 // Layers without Poisson's effect. Along them strain is even: exact. Across, splines round off the kink of the

@@ -9,6 +9,7 @@
 #include "core/Error.h"
 #include "core/Memory.h"
 #include "lattice/PhaseNames.h"
+#include "peridynamics/PairTable.h"
 
 #include "vtkDataArray.h"
 #include "vtkDataObject.h"
@@ -422,6 +423,85 @@ std::shared_ptr<const mpm::PointLaw<Dim>> PointScene::law() const
   return law_ == WallLaw::Isotropic ? mpm::makeLaw<Dim, mpm::Isotropic>(isotropic, plane_)
     : law_ == WallLaw::Plastic      ? mpm::makeLaw<Dim, mpm::Hencky>(plastic)
                                     : mpm::makeLaw<Dim, mpm::Orthotropic>(orthotropic, plane_);
+}
+
+mpm::Bodies PointScene::bodies(const std::map<std::string, double>& frictions) const
+{
+  mpm::Bodies found;
+  if (frictions.empty())
+    return found;
+  const std::vector<std::string>& names = phases_.names;
+  std::map<std::pair<std::size_t, std::size_t>, double> apart;
+  for (const auto& [name, value] : frictions)
+  {
+    const auto key = peridynamics::findPair(name, names);
+    if (!key)
+    {
+      throw ParameterError(fmt::format("friction of '{}', which is no pair of phases", name),
+        fmt::format("its phases are {}; write two of them as A-B", fmt::join(names, ", ")));
+    }
+    if (key->first == key->second)
+    {
+      throw ParameterError(fmt::format("friction of '{}' with itself", names[key->first]),
+        "a phase is joined to itself; give a part of it another phase");
+    }
+    for (const std::size_t id : { key->first, key->second })
+      if (!solid(id))
+        throw ParameterError(fmt::format("friction of '{}', which has no points", names[id]), "leave the pair out");
+    if (!(std::isfinite(value) && value >= 0))
+      throw ParameterError(fmt::format("friction of '{}' is {}", name, value), "it is finite, 0 or above");
+    if (!apart.emplace(std::pair<std::size_t, std::size_t>{ key->first, key->second }, value).second)
+      throw ParameterError(fmt::format("friction of '{}' is given twice", name), "give each pair once");
+  }
+  // all that is not apart is joined
+  constexpr std::uint8_t none = 255;
+  found.ofPhase.assign(names.size(), none);
+  found.count = 0;
+  for (std::size_t seed = 0; seed < names.size(); ++seed)
+  {
+    if (!solid(seed) || found.ofPhase[seed] != none)
+      continue;
+    const auto body = static_cast<std::uint8_t>(found.count++);
+    std::vector<std::size_t> joined{ seed };
+    found.ofPhase[seed] = body;
+    while (!joined.empty())
+    {
+      const std::size_t one = joined.back();
+      joined.pop_back();
+      for (std::size_t other = 0; other < names.size(); ++other)
+        if (solid(other) && found.ofPhase[other] == none && !apart.contains(std::minmax({ one, other })))
+        {
+          found.ofPhase[other] = body;
+          joined.push_back(other);
+        }
+    }
+  }
+  const auto count = static_cast<std::size_t>(found.count);
+  found.friction.assign(count * count, -1);
+  for (const auto& [pair, value] : apart)
+  {
+    const std::size_t a = found.ofPhase[pair.first];
+    const std::size_t b = found.ofPhase[pair.second];
+    const std::string text = fmt::format("{}-{}", names[pair.first], names[pair.second]);
+    if (a == b)
+    {
+      throw ParameterError(fmt::format("friction of '{}', which are both joined to another phase", text),
+        "give the friction of one of the two with that phase too");
+    }
+    double& friction = found.friction[a * count + b];
+    if (friction >= 0 && friction != value)
+    {
+      throw ParameterError(
+        fmt::format("friction of '{}' is {}, and {} between other phases of the same bodies", text, value, friction),
+        "give joined phases the same friction");
+    }
+    friction = found.friction[b * count + a] = value;
+  }
+  for (std::size_t a = 0; a < count; ++a)
+    found.friction[a * count + a] = 0;
+  for (std::uint8_t& body : found.ofPhase)
+    body = body == none ? 0 : body; // of voids
+  return found;
 }
 
 nlohmann::json PointScene::describe(vtkDataObject* output) const

@@ -4,6 +4,7 @@
 #include "vtkPieces.h"
 
 #include "lattice/Lattice.h"
+#include "mpm/BodyContact.h"
 #include "mpm/MaterialPoints.h"
 #include "mpm/PointLaw.h"
 #include "mpm/WallCells.h"
@@ -97,6 +98,10 @@ public:
   [[nodiscard]] const std::vector<std::int64_t>& shares() const noexcept { return shares_; }
   template <int Dim>
   [[nodiscard]] std::shared_ptr<const mpm::PointLaw<Dim>> law() const;
+  /// What is not joined. @param frictions by pair of phases, as peridynamics::findPair() reads it
+  /// @throws ParameterError: a pair that the image does not know, of one phase, of a void, or given twice; a
+  /// coefficient below 0; pairs that leave open what is joined
+  [[nodiscard]] mpm::Bodies bodies(const std::map<std::string, double>& frictions) const;
   /// Of walls that are too thin for the grid, of too few points a cell, and of constants that are given for nothing.
   [[nodiscard]] std::vector<std::string> warnings() const;
 

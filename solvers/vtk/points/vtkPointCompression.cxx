@@ -46,6 +46,7 @@ struct vtkPointCompression::Internals
 {
   vtkPointCompression* Self;
   std::vector<double> Strains;
+  std::map<std::string, double> Frictions;
   lamella::Pace Told;
 
   // of the last run
@@ -97,6 +98,20 @@ vtkGetOutputMacro(vtkPointCompression, Points, vtkPolyData, 0);
 vtkGetOutputMacro(vtkPointCompression, Curve, vtkTable, 1);
 vtkGetStatesMacro(vtkPointCompression, Points, vtkPolyData, Kept->States);
 vtkAddToListMacro(vtkPointCompression, StateAtStrain, StatesAtStrains, double, Kept->Strains);
+
+void vtkPointCompression::SetFriction(const char* pair, double value)
+{
+  if (pair == nullptr || *pair == '\0')
+    return;
+  const auto entry = this->Kept->Frictions.find(pair);
+  if (entry == this->Kept->Frictions.end() || entry->second != value)
+  {
+    this->Kept->Frictions[pair] = value;
+    this->Modified();
+  }
+}
+
+vtkRemoveAllMacro(vtkPointCompression, Frictions, Kept->Frictions);
 
 #define LAMELLA_SHOW(name)                                                                                             \
   void vtkPointCompression::SetCompute##name(bool on)                                                                  \
@@ -173,6 +188,12 @@ mpm::CompressionOptions<Dim> vtkPointCompression::Internals::Options(
   o.strain = s.Strain;
   o.sides = static_cast<mpm::LateralSides>(s.Sides);
   o.grip = s.Grip;
+  if (s.Grip && s.PlatenFriction > 0)
+  {
+    throw lamella::ParameterError(
+      fmt::format("platens that grip, and have a friction of {}", s.PlatenFriction), "give one of the two");
+  }
+  o.platenFriction = s.PlatenFriction;
   o.energyRatio = s.EnergyRatio;
   o.calmFrom = s.CalmFrom;
   o.firstSpeed = s.FirstSpeed;
@@ -184,6 +205,7 @@ mpm::CompressionOptions<Dim> vtkPointCompression::Internals::Options(
   o.checkpoint.every = s.CheckpointEvery;
   o.checkpoint.seconds = s.CheckpointSeconds;
   o.motion.spacing = scene.gridSpacing();
+  o.motion.bodies = scene.bodies(this->Frictions);
   o.motion.shape = static_cast<mpm::Shape>(s.Shape);
   o.motion.transfer = static_cast<mpm::Transfer>(s.Transfer);
   o.motion.mass = s.ConsistentMass ? mpm::MassMatrix::Consistent : mpm::MassMatrix::Lumped;
@@ -335,7 +357,8 @@ void vtkPointCompression::Internals::Describe(
   lamella::continueProvenance(output, "compression",
     { { "model", model }, { "axis", axis }, { "strain", self.Strain },
       { "sides", sidesNames.at(static_cast<std::size_t>(self.Sides)) }, { "grip", self.Grip },
-      { "fit_platens", self.FitPlatens }, { "energy_ratio", self.EnergyRatio }, { "calm_from", self.CalmFrom },
+      { "platen_friction", self.PlatenFriction }, { "friction", this->Frictions }, { "fit_platens", self.FitPlatens },
+      { "energy_ratio", self.EnergyRatio }, { "calm_from", self.CalmFrom },
       { "speeds", { self.FirstSpeed, self.LeastSpeed, self.MostSpeed } }, { "damping", self.Damping },
       { "rows", self.Rows }, { "shape", shapeNames.at(static_cast<std::size_t>(self.Shape)) },
       { "transfer", transferNames.at(static_cast<std::size_t>(self.Transfer)) },

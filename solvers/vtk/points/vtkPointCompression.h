@@ -4,7 +4,8 @@
  *
  * Large strains, from the first touch to densification (mpm/PointCompression.h): points in motion, pressed so slowly
  * that the kinetic energy stays small beside the elastic one; how small is told. Walls, plane and grid are the settings
- * of vtkPointAlgorithm. Walls that meet feel each other through the grid, without slip.
+ * of vtkPointAlgorithm. Walls that meet feel each other through the grid, without slip; but for phases with friction
+ * between them (SetFriction), which are separate bodies.
  *
  * **Output 0**: vtkPolyData, a vertex a point in one state (State), in the order of their numbers, with
  * - `id` (uint32): the point's number, the same in all states; `phase` (unsigned char)
@@ -89,6 +90,26 @@ public:
    * @advanced
    */
   vtkSwitchMacro(Grip, false);
+  /**
+   * Coulomb's coefficient of friction of both platens. 0: they let slide; not with Grip.
+   * @group Load
+   * @range [0, inf)
+   */
+  vtkSettingMacro(PlatenFriction, double, 0);
+
+  ///@{
+  /**
+   * Coulomb's coefficient of friction between two phases, 0 or above: wall-grain. Phases of such a pair are not joined,
+   * and slide and part; all others are. A phase is always joined to itself. An empty name is ignored (an empty row in a
+   * panel).
+   * @word friction
+   * @title Friction between phases
+   * @group Load
+   * @columns Phases, Coefficient
+   */
+  void SetFriction(const char* pair, double value);
+  void RemoveAllFrictions();
+  ///@}
 
   /**
    * Kinetic over elastic energy that is allowed.
