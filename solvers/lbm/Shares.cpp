@@ -16,12 +16,19 @@
 namespace lamella::lbm
 {
 
+namespace
+{
+
+constexpr double cornerPart = 1e-6; // of the phase that conducts, in a node that has none of it
+
+} // namespace
+
 AcrossSurface ruleFor(bool betterPercolates) noexcept
 {
   return betterPercolates ? AcrossSurface::Parallel : AcrossSurface::Series;
 }
 
-PairTable shareLinks(std::span<const double> share, double first, double second, AcrossSurface rule)
+PairTable shareLinks(std::span<const double> share, double first, double second, AcrossSurface rule, int corner)
 {
   for (const double k : { first, second })
     if (!std::isfinite(k) || k < 0)
@@ -52,6 +59,8 @@ PairTable shareLinks(std::span<const double> share, double first, double second,
       table.link[i * table.ids + j] = table.link[j * table.ids + i] = g;
     }
   }
+  if (corner >= 0)
+    table.link[static_cast<std::size_t>(corner) * (table.ids + 1)] = cornerPart * std::max(first, second);
   for (std::size_t i = 0; i < table.ids; ++i)
     if (!(table.link[i * table.ids + i] > 0))
       for (std::size_t j = 0; j < table.ids; ++j)
@@ -104,6 +113,62 @@ PhaseImage halved(const PhaseImage& image, std::span<const double> share)
   return half;
 }
 
+struct Corners
+{
+  PhaseImage image;
+  std::vector<double> share;
+  int corner; // their id
+};
+
+// Nodes that hold nothing but the phase that insulates, and have nodes beside them that hold some of the other one:
+// along two axes at least, and along none on both sides, or they would lead through a thin wall. They get an id of
+// their own.
+// @param insulating its share  @returns nothing where all ids are taken
+std::optional<Corners> cornersOf(
+  const PhaseImage& image, std::span<const double> share, double insulating, const std::array<bool, 3>& wraps)
+{
+  std::vector<std::uint8_t> full; // ids of such nodes
+  for (std::size_t id = 0; id < share.size(); ++id)
+    if (share[id] == insulating)
+      full.push_back(static_cast<std::uint8_t>(id));
+  if (full.empty() || (full.size() == 1 && share.size() > 255))
+    return {};
+  Corners found{ image, { share.begin(), share.end() }, 0 };
+  found.corner = full.size() > 1 ? full.back() : static_cast<int>(share.size());
+  if (full.size() == 1)
+    found.share.push_back(insulating);
+  const Lattice& lattice = image.lattice;
+  const auto isFull = [&](const std::array<std::int64_t, 3>& p)
+  { return share[image.phase[static_cast<std::size_t>(lattice.index(p[0], p[1], p[2]))]] == insulating; };
+  std::size_t i = 0;
+  for (std::int64_t z = 0; z < lattice.size[2]; ++z)
+    for (std::int64_t y = 0; y < lattice.size[1]; ++y)
+      for (std::int64_t x = 0; x < lattice.size[0]; ++x, ++i)
+      {
+        const std::array<std::int64_t, 3> p{ x, y, z };
+        if (!isFull(p))
+          continue;
+        int axes = 0;
+        bool between = false;
+        for (std::size_t a = 0; a < 3; ++a)
+        {
+          int sides = 0;
+          for (const std::int64_t step : { -1, 1 })
+          {
+            auto q = p;
+            q[a] += step;
+            if (wraps[a])
+              q[a] = (q[a] + lattice.size[a]) % lattice.size[a];
+            sides += q[a] >= 0 && q[a] < lattice.size[a] && !isFull(q) ? 1 : 0;
+          }
+          axes += sides > 0 ? 1 : 0;
+          between = between || sides == 2;
+        }
+        found.image.phase[i] = axes > 1 && !between ? static_cast<std::uint8_t>(found.corner) : full.front();
+      }
+  return found;
+}
+
 // All but the last nodes of odd sides.
 Window evenPart(const Lattice& lattice)
 {
@@ -115,13 +180,18 @@ Window evenPart(const Lattice& lattice)
   return even;
 }
 
-// Shares from labels, ids among evenShares().
-PhaseImage smoothed(const PhaseImage& labels, std::uint8_t second, Sides sides, int axis, int threads)
+std::array<bool, 3> wrapsOf(Sides sides, int axis)
 {
   std::array<bool, 3> wraps{};
   for (int a = 0; a < 3; ++a)
     wraps[static_cast<std::size_t>(a)] = sides == Sides::Periodic || (sides == Sides::Mixed && a != axis);
-  return { labels.lattice, labelShares(labels.lattice, labels.phase, second, wraps, threads), {} };
+  return wraps;
+}
+
+// Shares from labels, ids among evenShares().
+PhaseImage smoothed(const PhaseImage& labels, std::uint8_t second, Sides sides, int axis, int threads)
+{
+  return { labels.lattice, labelShares(labels.lattice, labels.phase, second, wrapsOf(sides, axis), threads), {} };
 }
 
 class ShareStudy
@@ -288,8 +358,17 @@ private:
   SteadyResult solve(DiffusionAnswer& answer, const PhaseImage& image, std::span<const double> share,
     AcrossSurface rule, int every, bool fields) const
   {
+    if (rule == AcrossSurface::Parallel && std::min(first_, second_) == 0)
+      if (const auto found = cornersOf(image, share, first_ == 0 ? 0 : 1, wrapsOf(options_.steady.sides, answer.axis)))
+        return solve(answer, found->image, found->share, rule, found->corner, every, fields, &image == own_);
+    return solve(answer, image, share, rule, -1, every, fields, &image == own_);
+  }
+
+  SteadyResult solve(DiffusionAnswer& answer, const PhaseImage& image, std::span<const double> share,
+    AcrossSurface rule, int corner, int every, bool fields, bool own) const
+  {
     SteadyOptions o = options_.steady;
-    auto pairs = std::make_shared<PairTable>(shareLinks(share, first_, second_, rule));
+    auto pairs = std::make_shared<PairTable>(shareLinks(share, first_, second_, rule, corner));
     std::vector<double> diffusivity;
     for (std::size_t i = 0; i < pairs->ids; ++i)
       diffusivity.push_back(pairs->link[i * pairs->ids + i]);
@@ -298,10 +377,10 @@ private:
       o.fieldTolerance = std::numeric_limits<double>::infinity();
     SteadyDiffusion solver = solverOf(image, diffusivity, o);
     SteadyResult result = solver.solve(answer.axis);
-    if (every == 1 && options_.derivatives && &image == own_)
-      answer.derivatives = derivatives(solver, share, rule);
-    if (every == 1 && options_.surfaces && &image == own_)
-      answer.surfaces = surfaces(solver, image, share, rule);
+    if (every == 1 && options_.derivatives && own)
+      answer.derivatives = derivatives(solver, share, rule, corner);
+    if (every == 1 && options_.surfaces && own)
+      answer.surfaces = surfaces(solver, image, share, rule, corner);
     RefinementStep step;
     step.value = valueOf(result, answer.axis);
     step.nodes = image.lattice.count();
@@ -319,7 +398,7 @@ private:
 
   // By the links' own change with either conductivity.
   [[nodiscard]] ConductivityDerivatives derivatives(
-    const SteadyDiffusion& solver, std::span<const double> share, AcrossSurface rule) const
+    const SteadyDiffusion& solver, std::span<const double> share, AcrossSurface rule, int corner) const
   {
     const std::vector<double> energy = solver.pairDerivatives();
     ConductivityDerivatives d;
@@ -329,7 +408,7 @@ private:
       d.along.push_back(k > 0 ? 0.0 : std::numeric_limits<double>::quiet_NaN());
       const double step = relativeStep * k;
       const auto linksAt = [&](double value)
-      { return shareLinks(share, second ? first_ : value, second ? value : second_, rule).link; };
+      { return shareLinks(share, second ? first_ : value, second ? value : second_, rule, corner).link; };
       if (!(k > 0))
         continue;
       const std::vector<double> more = linksAt(k + step);
@@ -344,8 +423,8 @@ private:
 
   // The first phase grows by as much of every node that holds some of both as makes a shift of the surface by one
   // spacing, whose area is the sum of the shares' gradients; by the links' own change.
-  [[nodiscard]] SurfaceDerivatives surfaces(
-    const SteadyDiffusion& solver, const PhaseImage& image, std::span<const double> share, AcrossSurface rule) const
+  [[nodiscard]] SurfaceDerivatives surfaces(const SteadyDiffusion& solver, const PhaseImage& image,
+    std::span<const double> share, AcrossSurface rule, int corner) const
   {
     const auto mixed = [&](std::size_t id) { return share[id] > 0 && share[id] < 1; };
     const auto nodes = static_cast<double>(image.phase.size());
@@ -363,7 +442,7 @@ private:
       for (std::size_t id = 0; id < share.size(); ++id)
         if (mixed(id))
           changed[id] = std::clamp(share[id] - change, 0.0, 1.0);
-      return shareLinks(changed, first_, second_, rule).link;
+      return shareLinks(changed, first_, second_, rule, corner).link;
     };
     const std::vector<double> energy = solver.pairDerivatives();
     const std::vector<double> more = linksAt(shareStep);

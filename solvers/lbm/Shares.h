@@ -27,10 +27,14 @@ enum class AcrossSurface
 ///
 /// In series, the part of a link in the second phase is s = a + b − ½ within 0 and 1, which is exact for a flat surface
 /// across the link: the conductance is 1 / (s / k₁ + (1 − s) / k₀). In parallel it is s = (a + b) / 2, the share of the
-/// box around the link, and the conductance s k₁ + (1 − s) k₀. A node that does not conduct itself has no links.
+/// box around the link, and the conductance s k₁ + (1 − s) k₀. A node that does not conduct itself has no links, but
+/// for one id that may keep them: nodes of the phase that insulates in a corner of the surface, by which the nodes of
+/// both sides of the corner conduct to each other.
 ///
+/// @param corner that id, or −1; it conducts a millionth of the other phase
 /// @throws ParameterError shares outside 0 … 1, conductivities that are not finite or below 0
-[[nodiscard]] PairTable shareLinks(std::span<const double> share, double first, double second, AcrossSurface rule);
+[[nodiscard]] PairTable shareLinks(
+  std::span<const double> share, double first, double second, AcrossSurface rule, int corner = -1);
 
 /// The whole job for a picture whose ids tell shares: solves along options.axes with the rule that suits each, and with
 /// options.estimateError those of twice the spacing, whose nodes hold the mean shares of 2 × 2 (× 2); where a side is
