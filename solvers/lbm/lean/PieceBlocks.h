@@ -56,6 +56,14 @@ inline std::uint32_t apartIn(std::int64_t edge)
   return edge == 2 ? 15 : 255;
 }
 
+/// Of sets whose members point towards their least one.
+inline std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i)
+{
+  while (parent[i] != i)
+    i = parent[i] = parent[parent[i]];
+  return i;
+}
+
 [[nodiscard]] RankShares sharesOf(const Communicator& comm, std::size_t mine);
 
 /// The ranks' values in their order, on every rank. Four bytes each.

@@ -129,13 +129,6 @@ void coarseOfGhosts(PieceLevel& fine, const PieceLevel& next)
         fine.coarse[fine.halo.start(side, 0) + k] = next.halo.start(side, 0) + theirs[side][k];
 }
 
-std::uint32_t rootOf(std::vector<std::uint32_t>& parent, std::uint32_t i)
-{
-  while (parent[i] != i)
-    i = parent[i] = parent[parent[i]];
-  return i;
-}
-
 } // namespace
 
 // Joins the pieces of a block of nodes with those that they hang on.

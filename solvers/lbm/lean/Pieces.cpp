@@ -93,24 +93,58 @@ void PieceMultigrid::factorize()
   const PieceLevel& level = levels_.back();
   if (static_cast<std::int64_t>(level.count()) > coarsestCount)
     return;
-  // Where the constant is free, a little more than the sum of links chooses one; never where walls do.
-  const bool walls = std::ranges::any_of(level.wall, [](float w) { return w > 0; });
-  const double more = walls ? 1.0 : 1 + 1e-5;
+  // Where a constant is free, a little more than the sum of links chooses one, and it is taken off (levelled()).
+  const std::size_t n = level.count();
+  std::vector<std::uint32_t> parent(n);
+  std::iota(parent.begin(), parent.end(), 0U);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t e = level.row[i]; e < level.row[i + 1]; ++e)
+    {
+      const std::uint32_t a = rootOf(parent, static_cast<std::uint32_t>(i));
+      const std::uint32_t b = rootOf(parent, level.other[e]);
+      parent[std::max(a, b)] = std::min(a, b);
+    }
+  std::vector<std::uint8_t> held(n, 0);
+  for (std::size_t i = 0; i < n; ++i)
+    if (level.wall[i] > 0)
+      held[rootOf(parent, static_cast<std::uint32_t>(i))] = 1;
+  free_.assign(n, PieceLevel::none);
+  for (std::size_t i = 0; i < n; ++i)
+    if (const std::uint32_t root = rootOf(parent, static_cast<std::uint32_t>(i)); held[root] == 0)
+      free_[i] = root;
   std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t i = 0; i < level.count(); ++i)
+  for (std::size_t i = 0; i < n; ++i)
   {
     double total = static_cast<double>(level.wall[i]);
     for (std::size_t e = level.row[i]; e < level.row[i + 1]; ++e)
       total += static_cast<double>(level.linkAt(e));
+    const double more = free_[i] == PieceLevel::none ? 1.0 : 1 + 1e-5;
     entries.emplace_back(i, i, total > 0 ? more * total : 1.0);
     for (std::size_t e = level.row[i]; e < level.row[i + 1]; ++e)
       entries.emplace_back(i, level.other[e], -static_cast<double>(level.linkAt(e)));
   }
-  const auto n = static_cast<Eigen::Index>(level.count());
-  Eigen::SparseMatrix<double> matrix(n, n);
+  const auto size = static_cast<Eigen::Index>(n);
+  Eigen::SparseMatrix<double> matrix(size, size);
   matrix.setFromTriplets(entries.begin(), entries.end());
   direct_.compute(matrix);
   factorized_ = direct_.info() == Eigen::Success;
+}
+
+// Less the mean of each set of linked unknowns of which a constant is free.
+Eigen::VectorXd PieceMultigrid::levelled(Eigen::VectorXd v) const
+{
+  std::vector<double> sum(free_.size(), 0.0);
+  std::vector<double> count(free_.size(), 0.0);
+  for (std::size_t i = 0; i < free_.size(); ++i)
+    if (free_[i] != PieceLevel::none)
+    {
+      sum[free_[i]] += v[static_cast<Eigen::Index>(i)];
+      count[free_[i]] += 1;
+    }
+  for (std::size_t i = 0; i < free_.size(); ++i)
+    if (free_[i] != PieceLevel::none)
+      v[static_cast<Eigen::Index>(i)] -= sum[free_[i]] / count[free_[i]];
+  return v;
 }
 
 // Block by block, and by the parity of their places: blocks of one parity are never neighbours, but where an odd number
@@ -191,7 +225,9 @@ void PieceMultigrid::cycle(std::size_t index)
     if (factorized_)
     {
       const auto n = static_cast<Eigen::Index>(level.count());
-      const Eigen::VectorXd x = direct_.solve(Eigen::Map<const Eigen::VectorXf>(level.b.data(), n).cast<double>());
+      // else round-off in b would come back as a large constant
+      const Eigen::VectorXd b = levelled(Eigen::Map<const Eigen::VectorXf>(level.b.data(), n).cast<double>());
+      const Eigen::VectorXd x = levelled(direct_.solve(b));
       Eigen::Map<Eigen::VectorXf>(level.x.data(), n) = x.cast<float>();
       return;
     }

@@ -79,7 +79,8 @@ struct RankShares
 ///
 /// Distributed as the lattice is, as long as every part begins at an even block; then shared out anew, or, where that
 /// is not worth its messages, gathered: every rank does the rest for itself. Every number of ranks has the same pieces,
-/// up to periodic sides with an odd number of blocks. Every number of threads gives the same.
+/// up to periodic sides with an odd number of blocks and to parts that can be halved but once, which have blocks of two
+/// nodes along each axis where others have four. Every number of threads gives the same.
 ///
 /// Memory: 36 bytes a piece, 6 a link, 4 a block; 0.5 to 1 byte a node of the finest level.
 class PieceMultigrid
@@ -114,6 +115,7 @@ private:
   [[nodiscard]] bool move();
   void gather();
   void factorize();
+  [[nodiscard]] Eigen::VectorXd levelled(Eigen::VectorXd v) const;
   void cycle(std::size_t index);
   void cycleTwice(std::size_t index);
   void relax(PieceLevel& level, bool forward) const;
@@ -148,6 +150,7 @@ private:
   RankShares shares_;                 ///< of those unknowns
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> direct_;
   bool factorized_ = false;
+  std::vector<std::uint32_t> free_; ///< of the coarsest unknowns: in which set whose constant is free, or none
 };
 
 } // namespace lamella::lbm
