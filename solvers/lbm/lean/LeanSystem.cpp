@@ -34,6 +34,10 @@ constexpr int cyclesAResidual = 2;
 constexpr double first = 3;
 // No cycle leaves less than this part of the energy's excess.
 constexpr double quickest = 0.002;
+// Nor less than this one where a fall may have been hidden by what single precision leaves.
+constexpr double hidden = 0.1;
+// Falls below this are compared with it.
+constexpr double mayHide = 1e-3;
 // Relaxation ends where changes fall below the last place, several of these from the solution: by how much that raises
 // the energy over what rounding the solution does, over the root of a contrast that is more than mild. Found on spheres
 // of contrasts up to 1e7.
@@ -219,7 +223,10 @@ public:
       const double next = std::max({ Correction::leastRate, rate, 2 * rate - rateBefore });
       double left = rate > 0 && next < 1 && !rises ? safety * fall * next / (1 - next) : 1.0;
       if (result.solverError > 0) // one fall may be small by chance
-        left = std::max(left, std::min(1.0, result.solverError) * quickest);
+      {
+        const double rest = std::abs(fall) <= mayHide ? amplification * field_.roundOff() / sums.energy : 0.0;
+        left = std::max(left, std::min(1.0, result.solverError) * (fall < safety * rest ? hidden : quickest));
+      }
       else // of two rates nobody knows whether they rise
         left *= first;
       result.solverError = left;
