@@ -1,6 +1,7 @@
 // Which nodes, and which pieces, are pieces of the next level, and the links between them.
 #include "core/Error.h"
 #include "lbm/lean/PieceBlocks.h"
+#include "lbm/multigrid/Multigrid.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,8 +17,10 @@ namespace
 constexpr double strongAxis = 0.1;
 // A part goes with another one of its block that has more than this part of its links.
 constexpr double hangingPart = 0.5;
-// Links in series keep at least this part of the link between.
-constexpr double leastPieceLink = 0.125;
+// Links in series keep at least this part of the link between: of blocks' pieces that all conduct alike, and of others,
+// among which a link kept too large holds back what hangs by weak ones.
+constexpr double leastAlike = static_cast<double>(leastBlockLink);
+constexpr double leastUnlike = 0.125;
 // A level that is not smaller than this part of the one before ends the coarsening.
 constexpr double worthwhile = 0.8;
 constexpr std::size_t mostNodes = PieceMultigrid::mostEdge * PieceMultigrid::mostEdge * PieceMultigrid::mostEdge;
@@ -28,10 +31,9 @@ double half(float inside)
   return inside > 0 ? 0.5 / static_cast<double>(inside) : 0.0;
 }
 
-double inSeries(double between, float insideHere, float insideThere)
+double inSeries(double between, float insideHere, float insideThere, double least)
 {
-  return between > 0 ? std::max(leastPieceLink * between, 1 / (half(insideHere) + 1 / between + half(insideThere)))
-                     : 0.0;
+  return between > 0 ? std::max(least * between, 1 / (half(insideHere) + 1 / between + half(insideThere))) : 0.0;
 }
 
 // A few sums by key, in the order in which keys come first.
@@ -287,6 +289,7 @@ void PieceMultigrid::label(const LeanField& field, std::int64_t edge)
 template <class Gather>
 void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
 {
+  const double least = everyLink_ ? leastAlike : leastUnlike;
   const std::size_t n = level.count();
   for (auto* v : { &level.b, &level.inverse, &level.wall })
     v->assign(n, 0.0F);
@@ -329,7 +332,7 @@ void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
         {
           std::size_t at = level.row[i];
           const double wall =
-            inSeries(static_cast<double>(level.wall[i]), level.work[static_cast<std::size_t>(axis_)][i], 0);
+            inSeries(static_cast<double>(level.wall[i]), level.work[static_cast<std::size_t>(axis_)][i], 0, least);
           double total = wall;
           for (std::size_t axis = 0; axis < 4; ++axis)
           {
@@ -338,7 +341,7 @@ void PieceMultigrid::link(PieceLevel& level, const Gather& gather) const
               if (fill)
               {
                 const double link =
-                  axis == 3 ? f.sum[k] : inSeries(f.sum[k], level.work[axis][i], level.work[axis][f.key[k]]);
+                  axis == 3 ? f.sum[k] : inSeries(f.sum[k], level.work[axis][i], level.work[axis][f.key[k]], least);
                 level.other[at] = f.key[k];
                 level.link[at] = PieceLevel::packed(static_cast<float>(link));
                 total += static_cast<double>(level.linkAt(at));
