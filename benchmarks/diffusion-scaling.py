@@ -23,8 +23,8 @@ COUNTED = ("messages_most", "bytes_most", "waits", "reductions", "gatherings", "
 UNEVENNESS = 0.03
 COARSEST_NODES, GATHER_NODES = 600, 4096
 SHARED_PIECES = 3000
-ONCE = {"lean": 4, "pieces": 4, "walls": 4, "voids": 6}  # reductions of a solve before and after its cycles, or once only
-PIECE_SET_UP = {"pieces": 4, "walls": 4, "voids": 8}  # reductions of the set-up, four for each level that is shared, one or two more
+ONCE = {"lean": 4, "pieces": 6, "walls": 9, "voids": 7}  # reductions of a solve beside one a cycle and those of its visits
+PIECE_SET_UP = {"pieces": 6, "walls": 6, "voids": 10}  # reductions of the set-up, five for each level that is shared, some more
 DEEPEST_FIRST = {"pieces": 2, "walls": 2, "voids": 1}  # halvings from the nodes to the first level of pieces, where parts allow it
 FINEST_EXCHANGES = {1: 13, 2: 33}  # of the finest level, by those halvings: two a sweep, and after the correction
 LEAN_EXCHANGES, PIECE_EXCHANGES = FINEST_EXCHANGES[1], 12  # of a visit of a coarse level
@@ -221,9 +221,7 @@ def law_of(rows):
     for r in rows:
         size, ranks = run_of(r)
         unknowns = r["gathered"] / r["gatherings"] / 4 / (1 - 1 / ranks)
-        depth = first_depth(law, size, ranks) + int(r["s_reductions"] - PIECE_SET_UP[r["kind"]]) // 4
-        if r["kind"] == "voids" and unknowns > 2 * math.prod(halved(size, depth)):  # what percolates was found in one round more
-            depth -= 1
+        depth = first_depth(law, size, ranks) + int(r["s_reductions"] - PIECE_SET_UP[r["kind"]]) // 5
         law["pieces_gathered"].setdefault(depth, []).append(unknowns / math.prod(halved(size, depth)))
     law["pieces_gathered"] = {d: statistics.median(v) for d, v in law["pieces_gathered"].items()}
     halos = {}
@@ -245,9 +243,14 @@ def share(size, ranks):
     return rows[0] * rows[1] / (size[1] * size[2])
 
 
+def of_two(what, kind, size, ranks, model, laws):
+    """By how much more (work, bytes) blocks of 2³ nodes take, where parts cannot be halved for blocks of 4³; else 1."""
+    return model[kind][f"two_{what}"] if kind in laws and first_depth(laws[kind], size, ranks) < DEEPEST_FIRST[kind] else 1.0
+
+
 def seconds(kind, size, ranks, model, laws, link):
     """Of a cycle, by its parts: work, rows packed, gathered levels, messages, bytes, collectives."""
-    work = model[kind]["voxel"] * math.prod(size) * share(size, ranks)
+    work = model[kind]["voxel"] * math.prod(size) * share(size, ranks) * of_two("work", kind, size, ranks, model, laws)
     if ranks == 1:
         return [work, 0, 0, 0, 0, 0]
     c = counts_of(kind, size, ranks, laws)
@@ -259,7 +262,7 @@ def seconds(kind, size, ranks, model, laws, link):
 
 def memory(kind, size, ranks, model, laws):
     """Bytes of a rank: picture, field and levels; halos of the finest level; what every rank has whole."""
-    held = model[kind]["bytes"] * math.prod(size) * share(size, ranks)
+    held = model[kind]["bytes"] * math.prod(size) * share(size, ranks) * of_two("bytes", kind, size, ranks, model, laws)
     if ranks == 1:
         return held
     (py, pz), rows, _ = decomposition(size, ranks)
@@ -274,7 +277,7 @@ def calibrate(counts, alone, laws):
         one = next(r for r in strong if r["ranks"] == 1)
         size, _ = run_of(one)
         nodes = math.prod(size)
-        here = {"voxel_counted": one["work"] / one["cycles"] / nodes}
+        here = {"voxel_counted": one["work"] / one["cycles"] / nodes, "two_work": 1.0, "two_bytes": 1.0}
         whole, packed = [], []
         for r in (r for r in strong if r["ranks"] >= 8):
             c = counts_of(kind, size, int(r["ranks"]), laws)
@@ -282,6 +285,10 @@ def calibrate(counts, alone, laws):
             own = here["voxel_counted"] * nodes * share(size, int(r["ranks"]))
             packed.append(((r["work"] - r["whole"]) / r["cycles"] - own) / c["bytes_most"])
         here["whole"], here["packed"] = statistics.median(whole), max(0.0, statistics.median(packed))
+        for r in (r for r in strong if r["ranks"] == 3):  # whose parts can be halved but once
+            c, voxels = counts_of(kind, size, 3, laws), nodes * share(size, 3)
+            here["two_work"] = ((r["work"] - r["whole"]) / r["cycles"] - here["packed"] * c["bytes_most"]) / voxels / here["voxel_counted"]
+            here["two_bytes"] = (r["solver_bytes"] / 3 - c["whole_bytes"]) / voxels / (one["solver_bytes"] / nodes)
         large = next((r for r in alone if r["kind"] == kind and r["ranks"] == 1), one)
         large_nodes = large["nx"] * large["ny"] * large["nz"]
         here["voxel"] = large["work"] / large["cycles"] / large_nodes
@@ -308,7 +315,7 @@ def check_counts(counts, laws, model):
                 work = sum(seconds(kind, size, ranks, {kind: {**model[kind], "voxel": voxel}}, own, CLUSTER)[:3])
                 worst["work"] = max(worst["work"], abs(work / (r["work"] / r["cycles"]) - 1))
                 bytes_a_voxel = base["solver_bytes"] / (base["nx"] * base["ny"] * base["nz"])
-                held = memory(kind, size, ranks, {kind: {"bytes": bytes_a_voxel}}, own)
+                held = memory(kind, size, ranks, {kind: {**model[kind], "bytes": bytes_a_voxel}}, own)
                 worst["memory"] = max(worst["memory"], abs(held * ranks / r["solver_bytes"] - 1))
             print(f"  {kind}, {scaling}: " + ", ".join(f"{what} {100 * w:.0f} %" for what, w in worst.items()))
 
@@ -352,7 +359,8 @@ def predict(path, model, laws, links):
                         continue
                     terms = seconds(kind, size, ranks, model, laws, link)
                     first = first or sum(terms)
-                    efficiency = first / sum(terms) / (ranks if scaling == "strong" else 1)
+                    like = first * of_two("work", kind, size, ranks, model, laws)  # of one rank, with the same blocks
+                    efficiency = like / sum(terms) / (ranks if scaling == "strong" else 1)
                     rows.append([link_name, kind, scaling, edge, ranks, sum(terms), *terms, efficiency,
                                  memory(kind, size, ranks, model, laws)])
     with open(path, "w", newline="", encoding="utf-8") as file:
@@ -448,6 +456,7 @@ def main():
         m, law = model[kind], laws.get(kind, {})
         print(f"  {kind}: {1e9 * m['voxel']:.1f} ns a voxel and cycle ({1e9 * m['voxel_counted']:.1f} in the counted runs), "
               f"{1e9 * m['packed']:.2f} ns a byte sent, {1e9 * m['whole']:.0f} ns a gathered node, {m['bytes']:.1f} bytes a voxel; "
+              + (f"blocks of 2³ {m['two_work']:.2f} of the work, {m['two_bytes']:.2f} of the bytes; " if law.get("deepest_first", 1) > 1 else "")
               + ", ".join(f"{k} {law[k]:.2f}" for k in ("visits", "growth") if k in law)
               + "".join(f", {v:.2f} {k.replace('_', ' ')} a block of {2**d}³ nodes" for k in ("pieces_sent", "pieces_gathered")
                         for d, v in sorted(law.get(k, {}).items())))
