@@ -23,9 +23,15 @@ COUNTED = ("messages_most", "bytes_most", "waits", "reductions", "gatherings", "
 UNEVENNESS = 0.03
 COARSEST_NODES, GATHER_NODES = 600, 4096
 SHARED_PIECES = 3000
-ONCE = {"lean": 4, "pieces": 4, "walls": 4, "voids": 6}  # reductions of a solve before and after its cycles, or once only
-PIECE_SET_UP = {"pieces": 5, "walls": 5, "voids": 8}  # reductions of the set-up, four for each level that is shared, one or two more
-LEAN_EXCHANGES, PIECE_EXCHANGES = 13, 12  # of a visit of a level: two a sweep, and after the correction
+ONCE = {"lean": 4, "pieces": 6, "walls": 9, "voids": 7}  # reductions of a solve beside one a cycle and those of its visits
+PIECE_SET_UP = {"pieces": 6, "walls": 6, "voids": 10}  # reductions of the set-up, five for each level that is shared, some more
+DEEPEST_FIRST = {"pieces": 2, "walls": 2, "voids": 1}  # halvings from the nodes to the first level of pieces, where parts allow it
+FINEST_EXCHANGES = {1: 13, 2: 33}  # of the finest level, by those halvings: two a sweep, and after the correction
+LEAN_EXCHANGES, PIECE_EXCHANGES = FINEST_EXCHANGES[1], 12  # of a visit of a coarse level
+
+
+def run_of(row):
+    return tuple(int(row[a]) for a in ("nx", "ny", "nz")), int(row["ranks"])
 
 
 def starts_of(rows, count, unit):
@@ -50,15 +56,15 @@ def decomposition(size, ranks, unevenness=UNEVENNESS):
         for rows, count in ((ny, py), (nz, pz)):
             if count > 1:
                 parts, even = parts_of(rows, count, unit), rows / count
-                good &= min(parts) > 0 and ((levels == 1 and even >= 4) or max(parts) <= (1 + unevenness) * even)
+                good &= min(parts) > 0 and ((levels == 1 and even >= 8) or max(parts) <= (1 + unevenness) * even)
         if good or levels == 0:
             break
     largest = [max(parts_of(rows, count, unit if count > 1 else 1)) for rows, count in ((ny, py), (nz, pz))]
     return (py, pz), largest, levels
 
 
-def halved(values):
-    return tuple((v + 1) // 2 for v in values)
+def halved(values, times=1):
+    return tuple(-(-v // 2**times) for v in values)
 
 
 def uneven(depth):
@@ -131,14 +137,21 @@ def lean_counts(size, ranks):
     return c
 
 
+def first_depth(law, size, ranks):
+    """Halvings from the nodes to the blocks of the first level of pieces."""
+    return min(law["deepest_first"], decomposition(size, ranks)[2])
+
+
 def shared_levels(size, ranks, law):
     """Of every level of pieces that the ranks share: blocks along x, those of the largest part along y and z, parts, and of its
-    blocks the share that came from elsewhere where it was shared out anew (else None); and blocks of the one that is gathered."""
+    blocks the share that came from elsewhere where it was shared out anew (else None); blocks of the one that is gathered; and
+    halvings from the nodes to the first one."""
     shared = parts, rows, levels = decomposition(size, ranks)
-    blocks, mine, left, halvings, came, found = halved(size), halved(rows), levels - 1, 1, None, []
-    while pieces_of(law, len(found)) * math.prod(blocks) >= SHARED_PIECES:
+    first = first_depth(law, size, ranks)
+    blocks, mine, left, halvings, came, found = halved(size, first), halved(rows, first), levels - first, first, None, []
+    while pieces_of(law["pieces_gathered"], first + len(found)) * math.prod(blocks) >= SHARED_PIECES:
         if left == 0:
-            anew = decomposition(blocks, ranks, uneven(len(found) + 1))
+            anew = decomposition(blocks, ranks, uneven(first + len(found)))
             if anew is None or anew[2] == 0:
                 break
             came = moved_share(blocks, ranks, shared, halvings, anew)
@@ -146,25 +159,24 @@ def shared_levels(size, ranks, law):
             parts, mine, left = anew
         found.append((blocks[0], mine, parts, came))
         blocks, mine, left, halvings, came = halved(blocks), halved(mine), left - 1, halvings + 1, None
-    return found, blocks
+    return found, blocks, first
 
 
-def pieces_of(law, depth):
-    """Pieces a block of a level, from those that were gathered; beyond them as of the nearest one."""
-    known = law["pieces_gathered"]
+def pieces_of(known, depth):
+    """Pieces a block, from those known by halvings from the nodes; beyond them as of the nearest ones."""
     return known[min(known, key=lambda d: (abs(d - depth), d))]
 
 
 def piece_counts(size, ranks, law):
-    """The same of piece multigrid. law: pieces a block (of halos; of levels by depth), visits of the first level and by how much they
-    grow from level to level."""
+    """The same of piece multigrid. law: pieces a block (of halos, by the first level's depth; of levels, by theirs), visits of the
+    first level and by how much they grow from level to level."""
     c = empty()
     parts, rows, _ = decomposition(size, ranks)
-    levels, gathered = shared_levels(size, ranks, law)
-    neighbours = sides(parts)
-    c["messages_most"] = LEAN_EXCHANGES * sum(neighbours)
-    c["bytes_most"] = LEAN_EXCHANGES * halo_of_rows(size[0], rows, parts)
-    c["waits"] = LEAN_EXCHANGES * sum(p > 1 for p in parts)
+    levels, gathered, first = shared_levels(size, ranks, law)
+    neighbours, times = sides(parts), FINEST_EXCHANGES[first]
+    c["messages_most"] = times * sum(neighbours)
+    c["bytes_most"] = times * halo_of_rows(size[0], rows, parts)
+    c["waits"] = times * sum(p > 1 for p in parts)
     c["reductions"] = c["gatherings"] = 1
     for index, (nx, mine, parts, came) in enumerate(levels):
         visits = law["visits"] * law["growth"] ** index
@@ -172,15 +184,15 @@ def piece_counts(size, ranks, law):
         side = nx * (neighbours[1] * mine[0] + neighbours[0] * mine[1])
         exchanges = visits * (PIECE_EXCHANGES if came is None else PIECE_EXCHANGES + 1)
         c["messages_most"] += exchanges * sum(neighbours)
-        c["bytes_most"] += exchanges * 4 * law["pieces"] * side
+        c["bytes_most"] += exchanges * 4 * pieces_of(law["pieces_sent"], first) * side
         c["waits"] += exchanges
         if came is not None:
             c["messages_most"] += visits * sum(neighbours)
-            c["bytes_most"] += visits * 2 * 4 * pieces_of(law, index) * nx * math.prod(mine) * came
+            c["bytes_most"] += visits * 2 * 4 * pieces_of(law["pieces_gathered"], first + index) * nx * math.prod(mine) * came
             c["waits"] += visits * 2
         c["reductions"] += visits
         c["gatherings"] = visits
-    unknowns = pieces_of(law, len(levels)) * math.prod(gathered)
+    unknowns = pieces_of(law["pieces_gathered"], first + len(levels)) * math.prod(gathered)
     c["gathered"] = c["gatherings"] * 4 * unknowns * (1 - 1 / ranks)
     c["whole"] = c["gatherings"] * unknowns
     c["whole_bytes"] = 8 / 7 * 100 * unknowns
@@ -189,11 +201,11 @@ def piece_counts(size, ranks, law):
 
 def visits_of(r, law):
     """Visits a cycle of the first level of pieces and their growth from level to level, of a run: from its waits and gatherings."""
-    size, ranks = (int(r["nx"]), int(r["ny"]), int(r["nz"])), int(r["ranks"])
-    levels, _ = shared_levels(size, ranks, law)
+    size, ranks = run_of(r)
+    levels, _, first = shared_levels(size, ranks, law)
     last = r["gatherings"] / r["cycles"]
     waits = [PIECE_EXCHANGES + (0 if came is None else 3) for _, _, _, came in levels]
-    total = r["waits"] / r["cycles"] - LEAN_EXCHANGES * sum(p > 1 for p in decomposition(size, ranks)[0])
+    total = r["waits"] / r["cycles"] - FINEST_EXCHANGES[first] * sum(p > 1 for p in decomposition(size, ranks)[0])
     low, high = 0.25, 4.0
     for _ in range(60 if len(levels) > 1 else 0):  # Σ of the series that ends in the last one's
         middle = 0.5 * (low + high)
@@ -205,26 +217,20 @@ def visits_of(r, law):
 def law_of(rows):
     """Of one kind, from all its counts; visits from the strong run on the most ranks."""
     rows = sorted((r for r in rows if r["ranks"] > 1), key=lambda r: r["ranks"])
-    law = {"pieces_gathered": {}}
+    law = {"pieces_gathered": {}, "deepest_first": DEEPEST_FIRST[rows[0]["kind"]]}
     for r in rows:
-        size = (int(r["nx"]), int(r["ny"]), int(r["nz"]))
-        unknowns = r["gathered"] / r["gatherings"] / 4 / (1 - 1 / r["ranks"])
-        blocks, depth = halved(size), int(r["s_reductions"] - PIECE_SET_UP[r["kind"]]) // 4
-        for _ in range(depth):
-            blocks = halved(blocks)
-        if r["kind"] == "voids" and unknowns > 2 * math.prod(blocks):  # what percolates was found in one round more
-            blocks, depth = tuple(2 * b for b in blocks), depth - 1
-        law["pieces_gathered"].setdefault(depth, []).append(unknowns / math.prod(blocks))
+        size, ranks = run_of(r)
+        unknowns = r["gathered"] / r["gatherings"] / 4 / (1 - 1 / ranks)
+        depth = first_depth(law, size, ranks) + int(r["s_reductions"] - PIECE_SET_UP[r["kind"]]) // 5
+        law["pieces_gathered"].setdefault(depth, []).append(unknowns / math.prod(halved(size, depth)))
     law["pieces_gathered"] = {d: statistics.median(v) for d, v in law["pieces_gathered"].items()}
-    halos = []
+    halos = {}
     for r in rows:
-        seen = {**law, "pieces": 1.0, **visits_of(r, law)}
-        size, ranks = (int(r["nx"]), int(r["ny"]), int(r["nz"])), int(r["ranks"])
-        finest = LEAN_EXCHANGES * halo_of_rows(size[0], decomposition(size, ranks)[1], decomposition(size, ranks)[0])
-        of_one = piece_counts(size, ranks, seen)["bytes_most"] - finest
-        if of_one > 0:
-            halos.append((r["bytes_most"] / r["cycles"] - finest) / of_one)
-    law["pieces"] = statistics.median(halos)
+        size, ranks = run_of(r)
+        none, one = (piece_counts(size, ranks, {**law, "pieces_sent": {0: v}, **visits_of(r, law)})["bytes_most"] for v in (0, 1))
+        if one > none:
+            halos.setdefault(first_depth(law, size, ranks), []).append((r["bytes_most"] / r["cycles"] - none) / (one - none))
+    law["pieces_sent"] = {d: statistics.median(v) for d, v in halos.items()}
     return {**law, **visits_of([r for r in rows if r["scaling"] == "strong"][-1], law)}
 
 
@@ -237,9 +243,14 @@ def share(size, ranks):
     return rows[0] * rows[1] / (size[1] * size[2])
 
 
+def of_two(what, kind, size, ranks, model, laws):
+    """By how much more (work, bytes) blocks of 2³ nodes take, where parts cannot be halved for blocks of 4³; else 1."""
+    return model[kind][f"two_{what}"] if kind in laws and first_depth(laws[kind], size, ranks) < DEEPEST_FIRST[kind] else 1.0
+
+
 def seconds(kind, size, ranks, model, laws, link):
     """Of a cycle, by its parts: work, rows packed, gathered levels, messages, bytes, collectives."""
-    work = model[kind]["voxel"] * math.prod(size) * share(size, ranks)
+    work = model[kind]["voxel"] * math.prod(size) * share(size, ranks) * of_two("work", kind, size, ranks, model, laws)
     if ranks == 1:
         return [work, 0, 0, 0, 0, 0]
     c = counts_of(kind, size, ranks, laws)
@@ -251,7 +262,7 @@ def seconds(kind, size, ranks, model, laws, link):
 
 def memory(kind, size, ranks, model, laws):
     """Bytes of a rank: picture, field and levels; halos of the finest level; what every rank has whole."""
-    held = model[kind]["bytes"] * math.prod(size) * share(size, ranks)
+    held = model[kind]["bytes"] * math.prod(size) * share(size, ranks) * of_two("bytes", kind, size, ranks, model, laws)
     if ranks == 1:
         return held
     (py, pz), rows, _ = decomposition(size, ranks)
@@ -264,9 +275,9 @@ def calibrate(counts, alone, laws):
     for kind in KINDS:
         strong = [r for r in counts if r["kind"] == kind and r["scaling"] == "strong"]
         one = next(r for r in strong if r["ranks"] == 1)
-        size = (int(one["nx"]), int(one["ny"]), int(one["nz"]))
+        size, _ = run_of(one)
         nodes = math.prod(size)
-        here = {"voxel_counted": one["work"] / one["cycles"] / nodes}
+        here = {"voxel_counted": one["work"] / one["cycles"] / nodes, "two_work": 1.0, "two_bytes": 1.0}
         whole, packed = [], []
         for r in (r for r in strong if r["ranks"] >= 8):
             c = counts_of(kind, size, int(r["ranks"]), laws)
@@ -274,6 +285,10 @@ def calibrate(counts, alone, laws):
             own = here["voxel_counted"] * nodes * share(size, int(r["ranks"]))
             packed.append(((r["work"] - r["whole"]) / r["cycles"] - own) / c["bytes_most"])
         here["whole"], here["packed"] = statistics.median(whole), max(0.0, statistics.median(packed))
+        for r in (r for r in strong if r["ranks"] == 3):  # whose parts can be halved but once
+            c, voxels = counts_of(kind, size, 3, laws), nodes * share(size, 3)
+            here["two_work"] = ((r["work"] - r["whole"]) / r["cycles"] - here["packed"] * c["bytes_most"]) / voxels / here["voxel_counted"]
+            here["two_bytes"] = (r["solver_bytes"] / 3 - c["whole_bytes"]) / voxels / (one["solver_bytes"] / nodes)
         large = next((r for r in alone if r["kind"] == kind and r["ranks"] == 1), one)
         large_nodes = large["nx"] * large["ny"] * large["nz"]
         here["voxel"] = large["work"] / large["cycles"] / large_nodes
@@ -289,7 +304,7 @@ def check_counts(counts, laws, model):
         for scaling in ("strong", "weak"):
             worst = dict.fromkeys((*COUNTED, "work", "memory"), 0.0)
             for r in (r for r in counts if r["kind"] == kind and r["scaling"] == scaling and r["ranks"] > 1):
-                size, ranks = (int(r["nx"]), int(r["ny"]), int(r["nz"])), int(r["ranks"])
+                size, ranks = run_of(r)
                 own = {kind: {**laws[kind], **visits_of(r, laws[kind])}} if kind in laws else laws  # with its visits
                 c = counts_of(kind, size, ranks, own)
                 c["reductions"] += ONCE[kind] / r["cycles"]
@@ -300,7 +315,7 @@ def check_counts(counts, laws, model):
                 work = sum(seconds(kind, size, ranks, {kind: {**model[kind], "voxel": voxel}}, own, CLUSTER)[:3])
                 worst["work"] = max(worst["work"], abs(work / (r["work"] / r["cycles"]) - 1))
                 bytes_a_voxel = base["solver_bytes"] / (base["nx"] * base["ny"] * base["nz"])
-                held = memory(kind, size, ranks, {kind: {"bytes": bytes_a_voxel}}, own)
+                held = memory(kind, size, ranks, {kind: {**model[kind], "bytes": bytes_a_voxel}}, own)
                 worst["memory"] = max(worst["memory"], abs(held * ranks / r["solver_bytes"] - 1))
             print(f"  {kind}, {scaling}: " + ", ".join(f"{what} {100 * w:.0f} %" for what, w in worst.items()))
 
@@ -344,7 +359,8 @@ def predict(path, model, laws, links):
                         continue
                     terms = seconds(kind, size, ranks, model, laws, link)
                     first = first or sum(terms)
-                    efficiency = first / sum(terms) / (ranks if scaling == "strong" else 1)
+                    like = first * of_two("work", kind, size, ranks, model, laws)  # of one rank, with the same blocks
+                    efficiency = like / sum(terms) / (ranks if scaling == "strong" else 1)
                     rows.append([link_name, kind, scaling, edge, ranks, sum(terms), *terms, efficiency,
                                  memory(kind, size, ranks, model, laws)])
     with open(path, "w", newline="", encoding="utf-8") as file:
@@ -378,7 +394,7 @@ def draw(picture, counts, times, predicted, laws):
         rows = sorted((r for r in counts if r["kind"] == kind and r["scaling"] == "strong" and r["ranks"] > 1), key=lambda r: r["ranks"])
         axes[0].plot([r["ranks"] for r in rows], [r["bytes_most"] / r["cycles"] / 1e6 for r in rows], "o", markersize=4,
                      color=colours[kind], label=label)
-        size = tuple(int(rows[0][a]) for a in ("nx", "ny", "nz"))
+        size, _ = run_of(rows[0])
         ranks = [2**k for k in range(1, 11)]
         axes[0].plot(ranks, [counts_of(kind, size, p, laws)["bytes_most"] / 1e6 for p in ranks], "--", linewidth=0.9, color=colours[kind])
     axes[0].set_ylabel("MB sent by a rank in a cycle")
@@ -386,7 +402,7 @@ def draw(picture, counts, times, predicted, laws):
     axes[0].set_yscale("log")
     for kind in ("lean", "walls"):
         strong = sorted((r for r in counts if r["kind"] == kind and r["scaling"] == "strong"), key=lambda r: r["ranks"])
-        size = tuple(int(strong[0][a]) for a in ("nx", "ny", "nz"))
+        size, _ = run_of(strong[0])
         axes[1].plot([r["ranks"] for r in strong], [r["work_most"] / r["cycles"] for r in strong], "o", markersize=4, color=colours[kind],
                      label=f"{KINDS[kind]}, {size[0]}³, work of a rank")
         rows = [r for r in times if r["kind"] == kind]
@@ -440,12 +456,15 @@ def main():
         m, law = model[kind], laws.get(kind, {})
         print(f"  {kind}: {1e9 * m['voxel']:.1f} ns a voxel and cycle ({1e9 * m['voxel_counted']:.1f} in the counted runs), "
               f"{1e9 * m['packed']:.2f} ns a byte sent, {1e9 * m['whole']:.0f} ns a gathered node, {m['bytes']:.1f} bytes a voxel; "
-              + ", ".join(f"{k} {v:.2f}" for k, v in law.items() if k != "pieces_gathered")
-              + "".join(f", {v:.2f} pieces a block at depth {d}" for d, v in sorted(law.get("pieces_gathered", {}).items())))
-    values = {}
-    for r in counts:
-        values.setdefault((r["kind"], r["nx"], r["ny"], r["nz"]), []).append(r["value"])
-    print(f"  values on all numbers of ranks agree to {max(max(v) / min(v) - 1 for v in values.values()):.0e}")
+              + (f"blocks of 2³ {m['two_work']:.2f} of the work, {m['two_bytes']:.2f} of the bytes; " if law.get("deepest_first", 1) > 1 else "")
+              + ", ".join(f"{k} {law[k]:.2f}" for k in ("visits", "growth") if k in law)
+              + "".join(f", {v:.2f} {k.replace('_', ' ')} a block of {2**d}³ nodes" for k in ("pieces_sent", "pieces_gathered")
+                        for d, v in sorted(law.get(k, {}).items())))
+    for told, some in (("all numbers of ranks", counts), ("all but three", [r for r in counts if r["ranks"] != 3])):
+        values = {}
+        for r in some:
+            values.setdefault((r["kind"], r["nx"], r["ny"], r["nz"]), []).append(r["value"])
+        print(f"  values on {told} agree to {max(max(v) / min(v) - 1 for v in values.values()):.0e}")
     check_counts(counts, laws, model)
     check_times(times, model, laws, here)
     predicted = predict(folder / "diffusion-scaling-predicted.csv", model, laws, {"here": here, "cluster": CLUSTER})
