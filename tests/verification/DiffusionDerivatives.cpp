@@ -343,15 +343,21 @@ double perrins(double fraction, double k)
   return -(exact(fraction + 1e-5) - exact(fraction - 1e-5)) / 2e-5;
 }
 
+PhaseImage disk(std::int64_t n, double radius)
+{
+  return drawn(
+    makeLattice(n, n, 1, 2, 1e-6),
+    [&](std::int64_t x, std::int64_t y, std::int64_t)
+    { return std::hypot(static_cast<double>(x) - 31.3, static_cast<double>(y) - 31.6) < radius ? 1 : 0; });
+}
+
 TEST(SurfaceDerivatives, AreNearlyExactAroundDisks)
 {
   constexpr std::int64_t n = 64;
   for (const double f : { 0.2, 0.5 })
   {
     const double radius = n * std::sqrt(f / M_PI);
-    const PhaseImage image = drawn(makeLattice(n, n, 1, 2, 1e-6),
-      [&](std::int64_t x, std::int64_t y, std::int64_t)
-      { return std::hypot(static_cast<double>(x) - 31.3, static_cast<double>(y) - 31.6) < radius ? 1 : 0; });
+    const PhaseImage image = disk(n, radius);
     for (const double k : { 0.0, 0.01, 0.3, 3.0, 100.0, 1e4 })
     {
       const double truth = perrins(f, k) * 2 * M_PI * radius / (n * n);
@@ -620,9 +626,7 @@ TEST(SurfaceDerivatives, AreNearerOnElements)
   for (const double f : { 0.2, 0.5 })
   {
     const double radius = n * std::sqrt(f / M_PI);
-    const PhaseImage image = drawn(makeLattice(n, n, 1, 2, 1e-6),
-      [&](std::int64_t x, std::int64_t y, std::int64_t)
-      { return std::hypot(static_cast<double>(x) - 31.3, static_cast<double>(y) - 31.6) < radius ? 1 : 0; });
+    const PhaseImage image = disk(n, radius);
     for (const double k : { 0.0, 0.01, 0.3, 3.0, 100.0, 1e4 })
     {
       const double truth = perrins(f, k) * 2 * M_PI * radius / (n * n);

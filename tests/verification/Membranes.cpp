@@ -163,19 +163,21 @@ TEST(Membranes, DisksConvergeToTheMultipoles)
 }
 
 // benchmarks/sphere-membranes.csv, by sphere-arrays.py; fraction 0.3
+struct Sphere
+{
+  double contrast, resistance, truth;
+};
+constexpr Sphere spheres[] = { { 0.1, 1, 0.65177310 }, { 10, 0.1, 1.62473996 }, { 10, 0.9, 1 }, { 10, 10, 0.65556239 },
+  { 1000, 1, 0.99970023 } };
+const double sphereRadius = std::cbrt(0.9 / (4 * std::numbers::pi));
+
 TEST(Membranes, SpheresConvergeToTheMultipoles)
 {
-  struct Sphere
-  {
-    double contrast, resistance, truth;
-  };
-  const double radius = std::cbrt(0.9 / (4 * std::numbers::pi));
-  for (const Sphere& s : { Sphere{ 0.1, 1, 0.65177310 }, Sphere{ 10, 0.1, 1.62473996 }, Sphere{ 10, 0.9, 1 },
-         Sphere{ 10, 10, 0.65556239 }, Sphere{ 1000, 1, 0.99970023 } })
+  for (const Sphere& s : spheres)
   {
     StudyOptions o = along(0, 3, Sides::Mixed, Method::Auto);
     o.steady.tolerance = 1e-7;
-    o.membranes = { { 0, 1, s.resistance * radius } };
+    o.membranes = { { 0, 1, s.resistance * sphereRadius } };
     const auto error = [&](std::int64_t n)
     {
       PhaseImage image;
@@ -194,17 +196,11 @@ TEST(Membranes, SpheresConvergeToTheMultipoles)
 // longest edge (measured: 1.3 to 1.5 times the error of those of the edge that is 1).
 TEST(Membranes, SpheresOfVoxelsWithUnlikeEdges)
 {
-  struct Sphere
-  {
-    double contrast, resistance, truth;
-  };
-  const double radius = std::cbrt(0.9 / (4 * std::numbers::pi));
-  for (const Sphere& s : { Sphere{ 0.1, 1, 0.65177310 }, Sphere{ 10, 0.1, 1.62473996 }, Sphere{ 10, 0.9, 1 },
-         Sphere{ 10, 10, 0.65556239 }, Sphere{ 1000, 1, 0.99970023 } })
+  for (const Sphere& s : spheres)
   {
     StudyOptions o = along(0, 3, Sides::Periodic, Method::Auto);
     o.steady.tolerance = 1e-6;
-    o.membranes = { { 0, 1, s.resistance * radius } };
+    o.membranes = { { 0, 1, s.resistance * sphereRadius } };
     const auto worst = [&](const std::array<double, 3>& aspect, double n)
     {
       PhaseImage image;
@@ -219,7 +215,7 @@ TEST(Membranes, SpheresOfVoxelsWithUnlikeEdges)
         };
         const double distance = std::hypot(
           from(i % nodes(0), 0, 0.5), from(i / nodes(0) % nodes(1), 1, 0.513), from(i / nodes(0) / nodes(1), 2, 0.479));
-        image.phase.push_back(distance < radius ? 1 : 0);
+        image.phase.push_back(distance < sphereRadius ? 1 : 0);
       }
       double error = 0;
       for (const int axis : { 0, 1, 2 })
