@@ -2,6 +2,7 @@
 
 #include <charconv>
 #include <cstdlib>
+#include <sstream>
 #include <system_error>
 
 namespace lamella
@@ -42,6 +43,23 @@ std::optional<std::int64_t> toInteger(std::string_view text)
   if (failed != std::errc() || end != text.data() + text.size() || text.empty())
     return std::nullopt;
   return value;
+}
+
+NumberRow toNumbers(std::string_view text)
+{
+  NumberRow row;
+  std::istringstream words{ std::string(text) };
+  for (std::string word; words >> word;)
+  {
+    const std::optional<double> value = toNumber(word);
+    if (!value)
+    {
+      row.wrong = word;
+      break;
+    }
+    row.numbers.push_back(*value);
+  }
+  return row;
 }
 
 std::pair<std::string, std::string> splitUncertainty(const std::string& text)

@@ -17,6 +17,14 @@ namespace lamella
 [[nodiscard]] std::optional<double> toNumber(std::string_view text);
 [[nodiscard]] std::optional<std::int64_t> toInteger(std::string_view text);
 
+/// Numbers with spaces between them; or the first word that is none.
+struct NumberRow
+{
+  std::vector<double> numbers;
+  std::optional<std::string> wrong;
+};
+[[nodiscard]] NumberRow toNumbers(std::string_view text);
+
 /// "VALUE±HALF", or with +-: both; without: the value alone, and nothing.
 [[nodiscard]] std::pair<std::string, std::string> splitUncertainty(const std::string& text);
 

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 namespace lamella::lbm
@@ -289,16 +290,23 @@ private:
   [[nodiscard]] DirectedDiffusivity directedOf(const Block& block, const Part& of, int refinement) const
   {
     const DirectedDiffusivity& whole = *options_.directed;
-    DirectedDiffusivity part{ whole.along, whole.across, {} };
-    part.axis.reserve(static_cast<std::size_t>(block.count()));
+    DirectedDiffusivity part{ whole.along, whole.across, {}, whole.source, whole.ofPhase, {}, whole.least };
     const auto node = [&](std::size_t axis, std::int64_t i) { return of.first[axis] + of.stride * (i / refinement); };
     const auto last = [&](std::size_t axis) { return block.start[axis] + block.size[axis]; };
     const bool flat = image_.lattice.size[2] == 1;
-    for (std::int64_t z = block.start[2]; z < last(2); ++z)
-      for (std::int64_t y = block.start[1]; y < last(1); ++y)
-        for (std::int64_t x = 0; x < block.size[0]; ++x)
-          part.axis.push_back(
-            whole.axis[static_cast<std::size_t>(image_.lattice.index(node(0, x), node(1, y), flat ? 0 : node(2, z)))]);
+    const auto take = [&](const auto& from, auto& to)
+    {
+      if (from.empty())
+        return;
+      to.reserve(static_cast<std::size_t>(block.count()));
+      for (std::int64_t z = block.start[2]; z < last(2); ++z)
+        for (std::int64_t y = block.start[1]; y < last(1); ++y)
+          for (std::int64_t x = 0; x < block.size[0]; ++x)
+            to.push_back(
+              from[static_cast<std::size_t>(image_.lattice.index(node(0, x), node(1, y), flat ? 0 : node(2, z)))]);
+    };
+    take(whole.axis, part.axis);
+    take(whole.ofNode, part.ofNode);
     return part;
   }
 
@@ -709,12 +717,15 @@ std::vector<DiffusionAnswer> studyDiffusion(const PhaseImage& image, std::span<c
   if (options.targetError && !(*options.targetError > 0 && *options.targetError < 1))
     throw ParameterError(fmt::format("target error {} is not between 0 and 1", *options.targetError),
       "ask for instance for 0.01, which is 1 %");
-  if (options.directed && options.directed->axis.size() != image.phase.size())
-    throw ParameterError(
-      fmt::format("{} axes were given for a picture of {} nodes", options.directed->axis.size(), image.phase.size()),
-      "give one for every node");
+  if (options.directed)
+    for (const auto& [count, needed, what] :
+      { std::tuple{ options.directed->axis.size(), options.directed->hasAxes(), "axes" },
+        std::tuple{ options.directed->ofNode.size(), !options.directed->ofNode.empty(), "tensors" } })
+      if (needed && count != image.phase.size())
+        throw ParameterError(fmt::format("{} {} were given for a picture of {} nodes", count, what, image.phase.size()),
+          "give one for every node");
   if (!options.membranes.empty() && options.directed)
-    throw ParameterError("membranes between phases that conduct along and across an axis",
+    throw ParameterError("membranes between phases that conduct differently by direction",
       "give each phase one conductivity, or leave the membranes out");
   if (!options.membranes.empty() && options.surfaces)
     throw ParameterError("derivatives by where surfaces lie, of surfaces with membranes", "leave one of them out");

@@ -40,6 +40,8 @@ void requireFit(const Lattice& lattice, std::span<const std::uint8_t> phase, con
   if (lattice.dimension != 2)
     throw ParameterError(
       "conductivities along and across an axis on the links of a volume", "take elements, q1, which carry them");
+  if (d.hasTensors())
+    throw ParameterError("tensors of phases or voxels on the links of d2q9", "take elements, q1, which carry them");
   const auto nodes = static_cast<std::size_t>(lattice.count());
   if (phase.size() != nodes || d.axis.size() != nodes)
     throw ParameterError(
@@ -128,22 +130,6 @@ double arithmetic(const Shares& a, const Shares& b, double ofA, double ofB)
 }
 
 } // namespace
-
-std::vector<double> DirectedDiffusivity::larger() const
-{
-  std::vector<double> values(along);
-  for (std::size_t id = 0; id < values.size(); ++id)
-    values[id] = std::max(along[id], across[id]);
-  return values;
-}
-
-std::vector<double> DirectedDiffusivity::smaller() const
-{
-  std::vector<double> values(along);
-  for (std::size_t id = 0; id < values.size(); ++id)
-    values[id] = std::min(along[id], across[id]);
-  return values;
-}
 
 bool linksCarry(std::span<const double> along, std::span<const double> across) noexcept
 {

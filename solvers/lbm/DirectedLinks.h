@@ -1,29 +1,16 @@
 #pragma once
 
 #include "lattice/Lattice.h"
+#include "lbm/DirectedDiffusivity.h"
 #include "lbm/LinkTable.h"
 #include "lbm/SteadyDiffusion.h"
 
-#include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 /// Diffusivities that differ along and across the walls: a tensor in every node, on the links of D2Q9.
 namespace lamella::lbm
 {
-
-/// What a picture's phases conduct along an axis of their own and across it, and where that axis points.
-struct DirectedDiffusivity
-{
-  std::vector<double> along;              ///< one a phase id, ≥ 0
-  std::vector<double> across;             ///< one a phase id, ≥ 0; as along: the same in every direction
-  std::vector<std::array<float, 3>> axis; ///< one a node, of any length and either sign; 0: none
-
-  /// The larger one of each phase, which says what conducts (the diffusivities of SteadyDiffusion), and the smaller.
-  [[nodiscard]] std::vector<double> larger() const;
-  [[nodiscard]] std::vector<double> smaller() const;
-};
 
 /// Largest ratio of the two diffusivities that the links carry in every direction of the axis: 3 + 2√2.
 inline constexpr double mostDirected = 5.82842712474619;

@@ -6,6 +6,7 @@ import pathlib
 import re
 import unittest
 
+import grids
 import pictures
 from program import CONDUCTIVITIES, PHASES, Case
 
@@ -475,6 +476,60 @@ class Walls(Case):
         self.works("generate", "softwood", "--size", "20,20,20", "-o", "v.vti")
         self.fails(3, "no point array 'axis'", "lamella micrograph", "diffusion", "v.vti", "--conductivity", "lumen=1",
                    "--conductivity", "wall=1:0.5")
+
+
+class Tensors(Case):
+    """--conductivity-tensor, of phases that conduct differently in every direction."""
+
+    def test_one_material(self):
+        self.works("generate", "softwood", "--size", "9,8,7", "-o", "f.vti")
+        given = "2 1 1.5 0.5 -0.2 0.1"
+        names = [phase["name"] for phase in self.works("info", "f.vti", "--json").json()["phases"]]
+        words = [word for name in names for word in ("--conductivity-tensor", f"{name}={given}")]
+        answer = self.works("diffusion", "f.vti", *words, "--sides", "periodic", "--json", "--sensitivity").json()
+        for row, expected in zip(answer["tensor"], ([2, 0.5, 0.1], [0.5, 1, -0.2], [0.1, -0.2, 1.5])):
+            for found, number in zip(row, expected):
+                self.assertAlmostEqual(found, number, delta=1e-6)
+        self.assertEqual(answer["lattice"], "q1")
+        self.assertEqual(answer["phases"][0]["conductivity_tensor"], [float(number) for number in given.split()])
+        largest = answer["phases"][0]["conductivity"]  # the value is that of the phases' largest principal values, in proportion
+        self.assertAlmostEqual(sum(answer["sensitivity"]["x"].values()) * largest, answer["effective"]["x"], delta=1e-9)
+        self.assertIn("at the most; xx 2, yy 1, zz 1.5, xy 0.5, yz -0.2, xz 0.1", self.works("diffusion", "f.vti", *words).out)
+
+    def test_tensors_of_voxels(self):
+        size = (12, 10, 9)
+        voxels = size[0] * size[1] * size[2]
+        rows = [(2, 1, 1.5, 0.5, 0, 0)] * voxels
+
+        def put(name):
+            phases = grids.array("phase", [i // 7 % 2 for i in range(voxels)], "UInt8")
+            tensors = grids.array("tensor", [number for row in rows for number in row], "Float32", 6)
+            self.write(name, grids.vti([phases, tensors], "0 %d 0 %d 0 %d" % tuple(n - 1 for n in size)))
+
+        put("t.vti")
+        words = ["t.vti", "--phase", "0=a", "--phase", "1=b", "--sides", "periodic", "--json", "--no-error-estimate"]
+        answer = self.works("diffusion", *words, "-o", "field.vti", "--direction", "x").json()
+        self.assertAlmostEqual(answer["tensor"][0][0], 2, delta=1e-6)
+        self.assertAlmostEqual(answer["tensor"][1][0], 0.5, delta=1e-6)
+        self.assertNotIn("tensor", [array["name"] for array in self.info("field.vti")["point_arrays"]])
+        window = self.works("diffusion", *words, "--window", "2,1,3,6,5,4", ranks=2).json()
+        self.assertAlmostEqual(window["tensor"][1][1], 1, delta=1e-6)
+        rows[12 * 10 * 2 + 12 * 3 + 4] = (1, 1, 1, 0, 2, 0)
+        put("bad.vti")
+        self.fails(2, "at voxel (4, 3, 2) is not positive definite", "of a phase that does not conduct", "diffusion", "bad.vti",
+                   *words[1:])
+
+    def test_what_it_refuses(self):
+        self.works("generate", "softwood", "--size", "20,16", "-o", "s.png")
+        fails = lambda *rest: self.fails(*rest[:3], "diffusion", "s.png", "--conductivity", "lumen=0.02", *rest[3:])  # noqa: E731
+        fails(2, "phase 'wall' is not positive definite: its least principal value is -0.5", "all above 0", "--conductivity-tensor",
+              "wall=1 1 1 1.5 0 0")
+        fails(2, "5 numbers for the conductivity of 'wall'", "xx yy", "--conductivity-tensor", "wall=1 1 1 1 1")
+        fails(2, "couples the third axis", "or a volume", "--conductivity-tensor", "wall=1 1 1 0 0.1 0")
+        fails(2, "names 'wal'", "did you mean 'wall'", "--conductivity-tensor", "wal=1 1")
+        fails(2, "phase 'wall' has a conductivity and a tensor", "give one", "--conductivity", "wall=1", "--conductivity-tensor", "wall=1 1")
+        fails(2, "tensors on d2q9", "take q1", "--conductivity-tensor", "wall=1 2", "--lattice", "d2q9")
+        fails(2, "phase 'wall' has no conductivity", "give one to each")
 
 
 class Greys(Case):

@@ -225,7 +225,7 @@ TEST(SteadyDiffusion, MembranesThatCannotBe)
   }
   const auto across = with("a-b", 1);
   across->SetConductivityAcross("b", 2);
-  EXPECT_NE(errorOf(across).find("along and across walls"), std::string::npos);
+  EXPECT_NE(errorOf(across).find("conduct differently by direction"), std::string::npos);
   const auto shares = with("a-b", 1);
   shares->SetShares(0, 1);
   EXPECT_NE(errorOf(shares).find("membranes between greys"), std::string::npos);
@@ -628,6 +628,94 @@ vtkSmartPointer<vtkImageData> directedLayers(double ofA, double ofB)
   }
   image->GetPointData()->AddArray(axis);
   return image;
+}
+
+/// Layers across x of a volume, whose voxels have a tensor each.
+vtkSmartPointer<vtkImageData> tensorLayers(int components)
+{
+  const auto image = picture(12, 6, 5, layersAcrossX);
+  vtkNew<vtkFloatArray> tensor;
+  tensor->SetName("tensor");
+  tensor->SetNumberOfComponents(components);
+  for (int node = 0; node < 12 * 6 * 5; ++node)
+  {
+    const bool a = layersAcrossX(node % 12, 0, 0) == 0;
+    const std::array<float, 9> rows = a ? std::array<float, 9>{ 1, 0, 0, 0, 4, 0.5F, 0, 0.5F, 3 }
+                                        : std::array<float, 9>{ 2, 0, 0, 0, 10, -1, 0, -1, 6 };
+    const std::array<float, 6> entries{ rows[0], rows[4], rows[8], rows[1], rows[5], rows[2] };
+    components == 9 ? tensor->InsertNextTuple(rows.data()) : tensor->InsertNextTuple(entries.data());
+  }
+  image->GetPointData()->AddArray(tensor);
+  return image;
+}
+
+TEST(SteadyDiffusion, ConductivitiesThatAreTensors)
+{
+  // in series across the layers, in parallel along them, y and z together
+  const auto check = [](vtkSteadyDiffusion* filter)
+  {
+    ASSERT_EQ(errorOf(filter), "");
+    const double* const k = filter->GetEffectiveConductivity();
+    const std::array<double, 9> expected{ 2 / (1.0 / 1 + 1.0 / 2), 0, 0, 0, 7, -0.25, 0, -0.25, 4.5 };
+    for (std::size_t i = 0; i < 9; ++i)
+      EXPECT_NEAR(k[i], expected[i], 1e-5) << i; // the tensors are floats
+    vtkImageData* const output = filter->GetOutput();
+    EXPECT_EQ(fieldText(output, "lattice").value_or(""), "q1");
+    const std::vector<double> tensors = fieldNumbers(output, "phase_conductivity_tensor");
+    ASSERT_GE(tensors.size(), 12U);
+    EXPECT_EQ(std::vector<double>(tensors.begin(), tensors.begin() + 6), (std::vector<double>{ 1, 4, 3, 0, 0.5, 0 }));
+    const double largest = 8 + std::sqrt(5.0); // of b, of y and z
+    EXPECT_NEAR(fieldNumbers(output, "phase_conductivity").at(1), largest, 1e-5);
+    EXPECT_NE(provenance(output).find("[1.0,4.0,3.0,0.0,0.5,0.0]"), std::string::npos) << provenance(output);
+  };
+  for (const int components : { 6, 9 })
+  {
+    vtkNew<vtkSteadyDiffusion> filter;
+    filter->SetInputData(tensorLayers(components));
+    filter->SetSides(vtkSteadyDiffusion::PERIODIC);
+    check(filter);
+    filter->SetConductivityTensor("a", components == 6 ? "1 4 3 0 0.5 0" : "1 0 0 0 4 0.5 0 0.5 3");
+    check(filter); // the other phase has that of its voxels
+    filter->SetConductivityTensor("b", "2 10 6 0 -1 0");
+    check(filter);
+    filter->RemoveAllConductivityTensors();
+    check(filter);
+    filter->SetConductivity("a", 1); // what a phase is given goes before what its voxels have
+    ASSERT_EQ(errorOf(filter), "");
+    EXPECT_NEAR(filter->GetEffectiveConductivity()[4], (1 + 10) / 2.0, 0.05); // y and z of b are coupled
+  }
+}
+
+TEST(SteadyDiffusion, TensorsThatWillNotDo)
+{
+  const auto refused = [](auto&& change)
+  {
+    const auto image = tensorLayers(6);
+    vtkNew<vtkSteadyDiffusion> filter;
+    filter->SetInputData(image);
+    filter->SetDirection(vtkSteadyDiffusion::X);
+    filter->SetConductivity("a", 1);
+    change(filter.Get(), image.Get());
+    return errorOf(filter);
+  };
+  const auto has = [](const std::string& told, const char* words)
+  { EXPECT_NE(told.find(words), std::string::npos) << told; };
+  const auto given = [&](const char* phase, const char* numbers)
+  { return refused([&](auto* f, vtkImageData*) { f->SetConductivityTensor(phase, numbers); }); };
+  has(given("b", "1 1 x"), "'x' of the conductivity of 'b' is no number");
+  has(given("b", "1 1"), "2 numbers for the conductivity of 'b'");
+  has(given("b", "1 0 0 0 1 0 0.5 0 1"), "xz 0 and zx 0.5");
+  has(given("b", "1 1 1 2 0 0"), "of phase 'b' is not positive definite: its least principal value is -1");
+  has(given("a", "1 1 1"), "phase 'a' has a conductivity and a tensor");
+  has(refused([](auto* f, vtkImageData*) { f->SetLattice(vtkSteadyDiffusion::D3Q7); }), "tensors on d3q7");
+  has(refused([](auto* f, vtkImageData*) { f->SetMembrane("a-b", 1); }),
+    "membranes between phases that conduct differently");
+  has(refused([](auto* f, vtkImageData*)
+        { f->SetInputArrayToProcess(2, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "none"); }),
+    "phase 'b' has no conductivity");
+  has(refused([](auto*, vtkImageData* image)
+        { image->GetPointData()->GetArray("tensor")->SetComponent(12 * 6 * 2 + 12 * 3 + 4, 3, -9); }),
+    "at voxel (4, 3, 2) is not positive definite");
 }
 
 TEST(SteadyDiffusion, ConductivitiesAlongAndAcrossTheWalls)

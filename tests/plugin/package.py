@@ -507,6 +507,29 @@ class Diffusion(unittest.TestCase):
             lamella.diffusion(lamella.softwood(size=(40, 30)), {"wall": (3, 1), "lumen": 1})
         self.assertIn("no point array 'axis'", str(caught.exception))
 
+    def test_tensors_of_phases_and_voxels(self):
+        # Layers across z of two materials: in series across, in parallel along.
+        layers = np.zeros((8, 5, 6), dtype=np.uint8)
+        layers[4:] = 1
+        a = np.array([[2, 0.5, 0], [0.5, 1, 0], [0, 0, 4.0]])
+        b = np.array([[1, -0.2, 0], [-0.2, 3, 0], [0, 0, 1.0]])
+        exact = (a + b) / 2
+        exact[2, 2] = 2 / (1 / 4 + 1 / 1)
+        volume = lamella.from_array(layers, names=["a", "b"])
+        by_phase = lamella.diffusion(volume, {"a": a, "b": b.tolist()}, sides="periodic")
+        np.testing.assert_allclose(by_phase.effective, exact, atol=1e-6)
+        words = lamella.diffusion(volume, {"a": a}, sides="periodic", conductivity_tensor={"b": "1 3 1 -0.2 0 0"})
+        np.testing.assert_array_equal(words.effective, by_phase.effective)
+        rows = numpy_to_vtk(np.where(layers.reshape(-1, 1) == 0, a.reshape(1, 9), b.reshape(1, 9)), deep=True)
+        rows.SetName("tensor")
+        volume.vtk.GetPointData().AddArray(rows)
+        by_voxel = lamella.diffusion(volume, {}, sides="periodic")
+        np.testing.assert_allclose(by_voxel.effective, exact, atol=1e-6)
+        with self.assertRaisesRegex(lamella.LamellaError, "of phase 'b' is not positive definite"):
+            lamella.diffusion(volume, {"a": 1, "b": -b})
+        with self.assertRaisesRegex(lamella.LamellaError, "4 numbers"):
+            lamella.diffusion(volume, {"a": 1, "b": np.eye(2)})
+
     def test_numbers_that_no_arithmetic_holds(self):
         """What the program refuses of its options Python refuses, too."""
         cells = lamella.honeycomb(size=(48, 48))
@@ -809,7 +832,7 @@ class Diffusion(unittest.TestCase):
             lamella.diffusion(picture, {0: None, 1: 1})
         with self.assertRaisesRegex(ValueError, "conductivity of 1 is 'much'; give a number"):
             lamella.diffusion(picture, {0: 1, 1: "much"})
-        with self.assertRaisesRegex(ValueError, "give a number, or .along, across."):
+        with self.assertRaisesRegex(ValueError, "give a number, .along, across., or a tensor"):
             lamella.diffusion(picture, {0: 1, 1: (1, 2, 3)})
         with self.assertRaisesRegex(TypeError, "young is of type float; give a dictionary, {bonds: value}"):
             lamella.equilibrium(picture, 1e9)

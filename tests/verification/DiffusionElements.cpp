@@ -1,5 +1,6 @@
 // Trilinear elements with a tensor each: exact where the answer is linear, of second order in a smooth medium, rotated
-// laminates in space, the material's bounds, any ratio; flux, faces and columns of the tensor.
+// laminates in space, of isotropic and of orthotropic materials, the material's bounds, any ratio; flux, faces and
+// columns of the tensor.
 #include "Diffusion.h"
 
 #include "core/Error.h"
@@ -12,6 +13,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace
 {
@@ -162,6 +166,216 @@ TEST(Elements, RotatedLaminatesAreOfFirstOrderAndCanBeExtrapolated)
     }
 }
 
+/// An orthotropic material that is turned: principal values along axes of any direction.
+Eigen::Matrix3d orthotropic(const Eigen::Vector3d& principal, double angle, const Eigen::Vector3d& about)
+{
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, about.normalized()).toRotationMatrix();
+  return turn * principal.asDiagonal() * turn.transpose();
+}
+
+template <class Real>
+lbm::SymmetricTensor<Real> entries(const Eigen::Matrix3d& k)
+{
+  lbm::SymmetricTensor<Real> result{};
+  for (int a = 0; a < 3; ++a)
+    for (int b = 0; b < 3; ++b)
+      result[lbm::tensorPlace(static_cast<std::size_t>(a), static_cast<std::size_t>(b))] = static_cast<Real>(k(a, b));
+  return result;
+}
+
+using Source = lbm::DirectedDiffusivity::Source;
+
+/// Phases with tensors.
+lbm::DirectedDiffusivity tensorsOf(const PhaseImage& image, const std::vector<Eigen::Matrix3d>& tensors)
+{
+  lbm::DirectedDiffusivity d;
+  d.along.assign(tensors.size(), 0.0);
+  d.across = d.along;
+  d.source.assign(tensors.size(), Source::Phase);
+  for (const Eigen::Matrix3d& k : tensors)
+    d.ofPhase.push_back(entries<double>(k));
+  d.takeTensors(image.lattice, image.phase);
+  return d;
+}
+
+/// The same, voxel by voxel.
+lbm::DirectedDiffusivity tensorsByVoxel(const PhaseImage& image, const std::vector<Eigen::Matrix3d>& tensors)
+{
+  lbm::DirectedDiffusivity d;
+  d.along.assign(tensors.size(), 0.0);
+  d.across = d.along;
+  d.source.assign(tensors.size(), Source::Node);
+  for (const std::uint8_t id : image.phase)
+    d.ofNode.push_back(entries<float>(tensors[id]));
+  d.takeTensors(image.lattice, image.phase);
+  return d;
+}
+
+Eigen::Matrix3d effectiveOf(const Scene& scene, lbm::Sides sides, double tolerance, int threads, int mostIterations)
+{
+  Eigen::Matrix3d found = Eigen::Matrix3d::Zero();
+  for (int a = 0; a < scene.image.lattice.dimension; ++a)
+  {
+    const auto r = solveElements(scene, a, sides, tolerance, threads);
+    EXPECT_LE(r.iterations, mostIterations);
+    for (int b = 0; b < 3; ++b)
+      found(b, a) = r.effective[static_cast<std::size_t>(b)];
+  }
+  return found;
+}
+
+TEST(Elements, OneTensorIsExact)
+{
+  for (const Eigen::Vector3d& principal :
+    { Eigen::Vector3d(3, 1, 0.2), Eigen::Vector3d(0.02, 5, 0.9), Eigen::Vector3d(1, 1e-3, 1e-3) })
+    for (const std::array<double, 3> edges : { std::array<double, 3>{ 1, 1, 1 }, { 1, 2, 0.5 } })
+    {
+      const Eigen::Matrix3d exact = orthotropic(principal, 0.7, { 1, 2, -0.5 });
+      Scene scene{ noise(8, 7, 9, 0, 1), {} };
+      scene.image.lattice = makeLattice(8, 7, 9, 3, edges[0], { 1, edges[1] / edges[0], edges[2] / edges[0] });
+      for (const bool byVoxel : { false, true })
+      {
+        scene.diffusivity =
+          byVoxel ? tensorsByVoxel(scene.image, { exact, exact }) : tensorsOf(scene.image, { exact, exact });
+        EXPECT_NEAR(scene.diffusivity.larger()[0], principal.maxCoeff(), 1e-6 * principal.maxCoeff());
+        EXPECT_NEAR(scene.diffusivity.smaller()[0], principal.minCoeff(), 1e-6 * principal.maxCoeff());
+        const Eigen::Matrix3d found = effectiveOf(scene, lbm::Sides::Periodic, 1e-9, 1, 30);
+        EXPECT_LT((found - exact).cwiseAbs().maxCoeff(), 1e-6 * principal.maxCoeff());
+      }
+    }
+  // a picture: what there is across it does not count
+  Eigen::Matrix3d flat = Eigen::Matrix3d::Identity() * 7;
+  flat.topLeftCorner<2, 2>() << 2, 0.6, 0.6, 0.5;
+  Scene scene{ noise(9, 8, 1, 0, 1), {} };
+  scene.diffusivity = tensorsOf(scene.image, { flat, flat });
+  const Eigen::Matrix3d found = effectiveOf(scene, lbm::Sides::Periodic, 1e-9, 1, 30);
+  EXPECT_LT((found - flat).topLeftCorner(2, 2).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_NEAR(scene.diffusivity.larger()[0], 1.25 + std::sqrt(0.75 * 0.75 + 0.36), 1e-12);
+}
+
+/// Layers of two orthotropic materials, each turned its own way. Across a surface the normal flux and the gradient
+/// along it are continuous: with a = n·K n and means ⟨⟩ over the layers
+/// K* = ⟨K − K n nᵀ K / a⟩ + ⟨K n / a⟩ ⟨K n / a⟩ᵀ / ⟨1 / a⟩ (Milton, The Theory of Composites, 2002, chapter 9).
+TEST(Elements, RotatedLaminatesOfOrthotropicMaterials)
+{
+  const std::vector<Eigen::Matrix3d> materials{ orthotropic({ 10, 3, 1 }, 0.5, { 1, 1, 0.2 }),
+    orthotropic({ 1, 0.2, 0.5 }, -0.9, { 0.3, -1, 1 }) };
+  for (const std::array<int, 3> waves : { std::array<int, 3>{ 1, 1, 1 }, { 1, 2, 2 }, { 1, -1, 3 } })
+  {
+    const Eigen::Vector3d normal = Eigen::Vector3d(waves[0], waves[1], waves[2]).normalized();
+    Eigen::Matrix3d exact = Eigen::Matrix3d::Zero();
+    Eigen::Vector3d flux = Eigen::Vector3d::Zero();
+    double resistance = 0;
+    for (const Eigen::Matrix3d& k : materials)
+    {
+      const Eigen::Vector3d kn = k * normal;
+      const double a = normal.dot(kn);
+      exact += 0.5 * (k - kn * kn.transpose() / a);
+      flux += 0.5 * kn / a;
+      resistance += 0.5 / a;
+    }
+    exact += flux * flux.transpose() / resistance;
+    std::array<Eigen::Matrix3d, 3> found;
+    for (const std::size_t level : { 0, 1, 2 })
+    {
+      Scene scene = laminate(std::int64_t{ 16 } << level, waves, 2, false);
+      for (std::uint8_t& id : scene.image.phase)
+        id = id > 0 ? 1 : 0;
+      scene.diffusivity = level == 1 ? tensorsByVoxel(scene.image, materials) : tensorsOf(scene.image, materials);
+      found[level] = effectiveOf(scene, lbm::Sides::Periodic, 1e-5, 2, 10);
+    }
+    const auto error = [&](const Eigen::Matrix3d& k) { return (k - exact).cwiseAbs().maxCoeff() / exact.norm(); };
+    EXPECT_GT(error(found[0]) / error(found[1]), 1.9);
+    EXPECT_GT(error(found[1]) / error(found[2]), 1.9);
+    EXPECT_LT(error(2 * found[2] - found[1]), 1e-3);
+  }
+}
+
+/// A medium of which every voxel has a tensor of its own, and which conducts as an isotropic one of 1: the box,
+/// deformed by a periodic map x(y) of gradient F, with K = F Fᵀ / det F (a change of variables in ∫ g·K g).
+TEST(Elements, ADeformedMediumIsOfSecondOrder)
+{
+  constexpr double strength = 0.08;
+  const double pi = std::acos(-1.0);
+  std::array<double, 3> errors{};
+  for (const std::size_t level : { 0, 1, 2 })
+  {
+    const std::int64_t n = std::int64_t{ 16 } << level;
+    Scene scene{ noise(n, n, n, 0, 1), {} };
+    lbm::DirectedDiffusivity& d = scene.diffusivity;
+    d.along = d.across = { 0, 0 };
+    d.source.assign(2, Source::Node);
+    const double h = 1.0 / static_cast<double>(n);
+    for (std::int64_t z = 0; z < n; ++z)
+      for (std::int64_t y = 0; y < n; ++y)
+        for (std::int64_t x = 0; x < n; ++x)
+        {
+          const Eigen::Vector3d place(
+            (static_cast<double>(x) + 0.5) * h, (static_cast<double>(y) + 0.5) * h, (static_cast<double>(z) + 0.5) * h);
+          // x_i = y_i + s sin(2π y_{i+1}) cos(2π y_{i+2}), solved for y
+          const auto moved = [&](const Eigen::Vector3d& of)
+          {
+            Eigen::Vector3d by;
+            for (int i = 0; i < 3; ++i)
+              by(i) = strength * std::sin(2 * pi * of((i + 1) % 3)) * std::cos(2 * pi * of((i + 2) % 3));
+            return by;
+          };
+          Eigen::Vector3d at = place;
+          for (int step = 0; step < 60; ++step)
+            at = place - moved(at);
+          Eigen::Matrix3d f = Eigen::Matrix3d::Identity();
+          for (int i = 0; i < 3; ++i)
+          {
+            const double a = 2 * pi * at((i + 1) % 3);
+            const double b = 2 * pi * at((i + 2) % 3);
+            f(i, (i + 1) % 3) += strength * 2 * pi * std::cos(a) * std::cos(b);
+            f(i, (i + 2) % 3) -= strength * 2 * pi * std::sin(a) * std::sin(b);
+          }
+          d.ofNode.push_back(entries<float>(f * f.transpose() / f.determinant()));
+        }
+    d.takeTensors(scene.image.lattice, scene.image.phase);
+    errors[level] = (effectiveOf(scene, lbm::Sides::Periodic, 1e-7, 2, 12) - Eigen::Matrix3d::Identity()).norm();
+  }
+  EXPECT_GT(errors[0] / errors[1], 3.7);
+  EXPECT_GT(errors[1] / errors[2], 3.9);
+  EXPECT_LT(errors[2], 1e-3);
+}
+
+/// By a factor on a phase's whole tensor: central differences.
+TEST(Elements, DerivativesByTensors)
+{
+  Scene scene = laminate(16, { 1, 2, 0 }, 2, false);
+  for (std::uint8_t& id : scene.image.phase)
+    id = id > 0 ? 1 : 0;
+  const std::vector<Eigen::Matrix3d> materials{ orthotropic({ 10, 3, 1 }, 0.5, { 1, 1, 0.2 }),
+    orthotropic({ 1, 0.2, 0.5 }, -0.9, { 0.3, -1, 1 }) };
+  for (const bool byVoxel : { false, true })
+  {
+    const auto solved = [&](double first, double second)
+    {
+      const std::vector<Eigen::Matrix3d> k{ first * materials[0], second * materials[1] };
+      scene.diffusivity = byVoxel ? tensorsByVoxel(scene.image, k) : tensorsOf(scene.image, k);
+      lbm::SteadyOptions o = optionsOf(scene.image, { .axis = 1, .tolerance = 1e-12 });
+      o.stencil = lbm::Stencil::Q1;
+      o.directed = std::make_shared<lbm::DirectedDiffusivity>(scene.diffusivity);
+      lbm::SteadyDiffusion solver(scene.image.lattice, decompose(scene.image.lattice, MPI_COMM_SELF), scene.image.phase,
+        scene.diffusivity.larger(), o);
+      const double value = solver.solve(1).effective[1];
+      return std::pair{ value, solver.derivatives() };
+    };
+    const auto [value, derivatives] = solved(1, 1);
+    constexpr double step = 1e-2;
+    for (const std::size_t id : { 0, 1 })
+    {
+      const double more = solved(id == 0 ? 1 + step : 1, id == 1 ? 1 + step : 1).first;
+      const double less = solved(id == 0 ? 1 - step : 1, id == 1 ? 1 - step : 1).first;
+      const double byFactor = derivatives.along[id] * (id == 0 ? 10 : 1);    // the largest principal value
+      EXPECT_NEAR(byFactor, (more - less) / (2 * step), 3e-5 * value) << id; // steps² and single precision
+    }
+    EXPECT_NEAR(derivatives.along[0] * 10 + derivatives.along[1], value, 1e-7 * value);
+  }
+}
+
 /// Every voxel has a direction of its own, some conduct nothing.
 Scene jumble(std::int64_t n, double ratio, double voids, unsigned seed = 3)
 {
@@ -258,6 +472,45 @@ TEST(Elements, WhatDoesNotFitIsRefused)
   EXPECT_THROW((void)solveElements(scene, 0, lbm::Sides::Insulated), ParameterError);
   scene = jumble(6, 3, 1);
   EXPECT_THROW((void)solveElements(scene, 0, lbm::Sides::Insulated), NoPathError);
+}
+
+/// The words of what takeTensors() throws.
+std::string refusal(const PhaseImage& image, const std::vector<Eigen::Matrix3d>& tensors, bool byVoxel)
+{
+  try
+  {
+    (void)(byVoxel ? tensorsByVoxel(image, tensors) : tensorsOf(image, tensors));
+  }
+  catch (const ParameterError& error)
+  {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Elements, TensorsThatNoMaterialHasAreRefused)
+{
+  PhaseImage image = noise(4, 3, 5, 0, 1);
+  image.phase[4 * (3 * 2 + 1) + 3] = 1; // voxel (3, 1, 2)
+  const Eigen::Matrix3d good = Eigen::Matrix3d::Identity();
+  Eigen::Matrix3d bad = good;
+  bad(0, 1) = bad(1, 0) = 1.5;
+  for (const bool byVoxel : { false, true })
+  {
+    const std::string told = refusal(image, { good, bad }, byVoxel);
+    EXPECT_NE(told.find(byVoxel ? "at voxel (3, 1, 2)" : "of phase 1"), std::string::npos) << told;
+    EXPECT_NE(told.find("not positive definite: its least principal value is -0.5"), std::string::npos) << told;
+    bad(0, 1) = bad(1, 0) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_NE(refusal(image, { good, bad }, byVoxel).find("no finite tensor"), std::string::npos);
+    bad = Eigen::Vector3d(1, 1, 1e-7).asDiagonal();
+    EXPECT_NE(refusal(image, { good, bad }, byVoxel).find("principal values from 1e-07 to 1"), std::string::npos);
+    bad = good;
+    bad(0, 1) = bad(1, 0) = 1.5;
+  }
+  bad = good;
+  bad(0, 2) = bad(2, 0) = 0.1;
+  const PhaseImage picture = noise(4, 3, 1, 0.5, 1);
+  EXPECT_NE(refusal(picture, { good, bad }, false).find("couples the third axis"), std::string::npos);
 }
 
 } // namespace

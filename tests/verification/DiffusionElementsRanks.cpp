@@ -32,6 +32,7 @@ struct Shape
   std::array<double, 3> aspect{ 1, 1, 1 };
   double voids = 0.15;
   bool directed = true;
+  bool tensors = false; ///< each voxel has its own
 };
 
 void PrintTo(const Shape& s, std::ostream* out)
@@ -63,6 +64,18 @@ Scene sceneOf(const Shape& shape)
     const auto k = static_cast<float>(i % 31);
     scene.diffusivity.axis.push_back({ std::cos(0.2F * k), std::sin(0.3F * k), 0.4F * std::cos(0.1F * k) });
   }
+  if (shape.tensors)
+  {
+    using Source = lbm::DirectedDiffusivity::Source;
+    scene.diffusivity.source = { Source::Node, Source::Axial };
+    for (std::size_t i = 0; i < scene.image.phase.size(); ++i)
+    {
+      const auto k = static_cast<float>(i % 29);
+      scene.diffusivity.ofNode.push_back({ 1 + 0.5F * std::cos(k), 2, 1 + 0.3F * std::sin(k), 0.4F * std::sin(2 * k),
+        n[2] > 1 ? 0.3F : 0, n[2] > 1 ? 0.2F * std::cos(3 * k) : 0 });
+    }
+    scene.diffusivity.takeTensors(scene.image.lattice, scene.image.phase);
+  }
   return scene;
 }
 
@@ -84,11 +97,16 @@ Solved solved(const Scene& scene, int axis, Sides sides, MPI_Comm comm, bool lay
   o.stencil = lbm::Stencil::Q1;
   auto directed = std::make_shared<lbm::DirectedDiffusivity>(scene.diffusivity);
   directed->axis.clear();
+  directed->ofNode.clear();
   for (std::int64_t z = 0; z < block.size[2]; ++z)
     for (std::int64_t y = 0; y < block.size[1]; ++y)
       for (std::int64_t x = 0; x < block.size[0]; ++x)
-        directed->axis.push_back(
-          scene.diffusivity.axis[static_cast<std::size_t>(lattice.index(x, block.start[1] + y, block.start[2] + z))]);
+      {
+        const auto at = static_cast<std::size_t>(lattice.index(x, block.start[1] + y, block.start[2] + z));
+        directed->axis.push_back(scene.diffusivity.axis[at]);
+        if (!scene.diffusivity.ofNode.empty())
+          directed->ofNode.push_back(scene.diffusivity.ofNode[at]);
+      }
   o.directed = directed;
   lbm::SteadyDiffusion solver(lattice, block, lbm::blockOf(scene.image, block), scene.diffusivity.larger(), o, comm);
   Solved s{ solver.solve(axis), {}, {}, {} };
@@ -168,7 +186,9 @@ INSTANTIATE_TEST_SUITE_P(All, ElementsOnRanks,
     Shape{ "wide", { 9, 39, 19 }, { 1, 2, 0.5 } }, Shape{ "flat", { 30, 66, 4 } }, Shape{ "deep", { 8, 7, 97 } },
     Shape{ "fine", { 40, 32, 36 }, { 1, 1, 1 }, 0, false }, Shape{ "picture", { 71, 65, 1 } },
     Shape{ "large_picture", { 130, 131, 1 }, { 1, 1, 1 }, 0.1, false }, Shape{ "small", { 9, 8, 7 } },
-    Shape{ "rod", { 300, 5, 5 }, { 1, 1, 1 }, 0.02 }),
+    Shape{ "rod", { 300, 5, 5 }, { 1, 1, 1 }, 0.02 },
+    Shape{ "tensors", { 21, 17, 23 }, { 1, 2, 0.5 }, 0.1, true, true },
+    Shape{ "tensor_picture", { 71, 65, 1 }, { 1, 1, 1 }, 0.1, true, true }),
   [](const auto& shape) { return shape.param.name; });
 
 // What people ask for: the same steps, however many work at them.

@@ -99,6 +99,7 @@ void giveConductivities(const DiffusionOptions& options, bool greys, const Sampl
   if (greys)
     return; // the filter knows what it may be told of
   requireNames("--conductivity", given, sample.image.phases.names());
+  options.settings.checkNames(sample.image.phases.names());
   if (std::ranges::any_of(given, [](const GivenConductivity& one) { return one.along != one.across; }))
     requireAxes(options.picture, image);
 }
@@ -267,7 +268,8 @@ private:
           vtkImageData* const output = filter_->GetOutput();
           if (apart)
             describe(output, report_.found.along(axes_[i]));
-          output->GetPointData()->RemoveArray("axis");
+          for (const char* const given : { "axis", "tensor" })
+            output->GetPointData()->RemoveArray(given);
           write(output, files_[i]);
           Session::checkInterrupt();
         });
@@ -279,7 +281,8 @@ private:
   {
     vtkNew<vtkImageData> image;
     image->ShallowCopy(fields.image);
-    image->GetPointData()->RemoveArray("axis");
+    for (const char* const given : { "axis", "tensor" })
+      image->GetPointData()->RemoveArray(given);
     describe(image, report_.found.along(axes_[i]));
     note(image);
     FieldVolume volume(image.Get(), fields);
@@ -354,8 +357,7 @@ Command diffusionCommand(CLI::App& root)
     "Conductivity of a phase, in any unit; 0: it does not conduct. ALONG:ACROSS where it differs along the walls of a "
     "lattice from outlines. With ± (or +-) how far it may be off: what that leaves of the value is told",
     "NAME=VALUE[±HALF]|NAME=ALONG:ACROSS")
-    ->allow_extra_args(false)
-    ->required();
+    ->allow_extra_args(false);
   o->settings.declare(*app, "vtkSteadyDiffusion",
     { "conductivity", "conductivity-across", "conductivity-uncertainty", "conductivity-across-uncertainty", "field",
       "flux" });

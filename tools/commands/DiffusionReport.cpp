@@ -244,6 +244,8 @@ std::string toJson(const DiffusionReport& report)
       { "conductivity", share > 0 || value > 0 ? jsonNumber(value) : Json(nullptr) } });
     if (there && !report.found.across.empty())
       json["phases"].back()["conductivity_across"] = jsonNumber(report.found.across[id]);
+    if (there && report.found.general(id))
+      json["phases"].back()["conductivity_tensor"] = report.found.tensors[id];
   }
   json["file"] = report.file;
   json["size"] = std::vector<std::int64_t>(lattice.size.begin(), lattice.size.begin() + dimension);
@@ -327,6 +329,14 @@ std::string phasesText(const DiffusionReport& report)
         report.found.conductivity[id]);
       if (!report.found.across.empty() && report.found.across[id] != report.found.conductivity[id])
         text += fmt::format(" along the walls, {:g} across", report.found.across[id]);
+      if (report.found.general(id))
+      {
+        const auto& t = report.found.tensors[id];
+        text += report.found.dimension == 2
+          ? fmt::format(" at the most; xx {:.6g}, yy {:.6g}, xy {:.6g}", t[0], t[1], t[3])
+          : fmt::format(" at the most; xx {:.6g}, yy {:.6g}, zz {:.6g}, xy {:.6g}, yz {:.6g}, xz {:.6g}", t[0], t[1],
+              t[2], t[3], t[4], t[5]);
+      }
       text += "\n";
     }
   }

@@ -24,7 +24,7 @@ vtkSmartPointer<vtkImageData> imageOf(Sample& sample, int refine, const std::vec
                            : PhaseImage{ sample.image.lattice, std::move(sample.image.phase), sample.image.phases });
   if (sample.file != nullptr)
   {
-    std::vector<std::string> arrays{ "grain", "axis" };
+    std::vector<std::string> arrays{ "grain", "axis", "tensor" };
     arrays.insert(arrays.end(), more.begin(), more.end());
     carryAlong(image, sample.file, sample.window, refine, arrays);
   }

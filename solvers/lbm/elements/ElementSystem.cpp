@@ -3,7 +3,7 @@
 #include "core/Error.h"
 #include "lattice/SurfaceMotions.h"
 #include "lbm/Connectivity.h"
-#include "lbm/DirectedLinks.h"
+#include "lbm/DirectedDiffusivity.h"
 #include "lbm/PlaneBalance.h"
 #include "lbm/elements/ElementMultigrid.h"
 #include "lbm/elements/ElementShare.h"
@@ -34,7 +34,12 @@ constexpr int restarts = 5; // from a new residual, where directions in single p
 // Means of the squares of 1, x, y, xy, z … on −1 to 1.
 constexpr std::array<double, 7> squares{ 1, 1.0 / 3, 1.0 / 3, 1.0 / 9, 1.0 / 3, 1.0 / 9, 1.0 / 9 };
 
-using Axes = std::vector<std::array<float, 3>>;
+/// What some phases have by voxel; empty where none has.
+struct VoxelArrays
+{
+  std::vector<std::array<float, 3>> axis;
+  std::vector<SymmetricTensor<float>> tensor;
+};
 
 /// Elements and their field: those that a rank works on, then the voxels of its block.
 struct Piece
@@ -45,9 +50,9 @@ struct Piece
   std::vector<double> v; ///< what is left of the field, in drops of the linear profile over a voxel
 
   Piece(const Problem& problem, double scale, const ElementShare& share, const Block& block, const ElementBox& box,
-    std::span<const std::uint8_t> phase, Axes&& axis)
+    std::span<const std::uint8_t> phase, VoxelArrays&& given)
     : start(share.turned(block.start))
-    , tensors(problem, scale, share, block, phase, std::move(axis))
+    , tensors(problem, scale, share, block, phase, std::move(given.axis), std::move(given.tensor))
     , op(
         box, [this](std::int64_t y, std::int64_t z, float* const tensor[6]) { tensors.row(y, z, tensor); },
         std::max(1, problem.options.threads))
@@ -81,7 +86,7 @@ public:
     , axis_(share_.order()[static_cast<std::size_t>(problem.axis)])
     , phase_(share_.moves() ? share_.toSlab(problem.phase) : std::vector<std::uint8_t>{})
     , piece_(std::make_unique<Piece>(
-        problem_, scale_, share_, share_.slab(), share_.box(), share_.moves() ? phase_ : problem.phase, slabAxes()))
+        problem_, scale_, share_, share_.slab(), share_.box(), share_.moves() ? phase_ : problem.phase, arraysOfSlab()))
     , multigrid_(std::make_unique<ElementMultigrid>(piece_->op))
   {
     piece_->v.assign(static_cast<std::size_t>(share_.box().nodes()), 0.0);
@@ -260,10 +265,14 @@ public:
         double all = 0; // means over the voxel
         double along = 0;
         const std::array<float, 3> a = piece.tensors.axis(i);
+        const bool general = piece.tensors.general(i);
+        const std::array<float, 6> d = general ? piece.tensors.tensor(i) : std::array<float, 6>{};
+        const double largest = general ? piece.tensors.largest(i) : 1;
         for (std::size_t k = 0; k < 7; ++k)
         {
           double own = 0;
           double projected = 0;
+          std::array<double, 3> slopes{ 0, 0, 0 };
           for (std::size_t c = 0; c < 3; ++c)
             if ((k >> c & 1) == 0)
             {
@@ -271,12 +280,21 @@ public:
                 aspect[0] / aspect[c] * (0.25 * m[k | std::size_t{ 1 } << c] + (k == 0 ? gradient_[c] : 0.0));
               own += slope * slope;
               projected += slope * a[c];
+              slopes[c] = slope;
             }
+          if (general) // of the tensor over its phase's largest principal value
+          {
+            const auto [x, y, z] = slopes;
+            along += squares[k] / largest *
+              (d[0] * x * x + d[1] * y * y + d[2] * z * z + 2 * (d[3] * x * y + d[4] * x * z + d[5] * y * z));
+            continue;
+          }
           all += squares[k] * own;
           along += squares[k] * projected * projected;
         }
         energies.along[piece.tensors.phase(i)] += along;
-        energies.across[piece.tensors.phase(i)] += all - along;
+        if (!general)
+          energies.across[piece.tensors.phase(i)] += all - along;
       });
     problem_.comm.sum(energies.along);
     problem_.comm.sum(energies.across);
@@ -313,6 +331,21 @@ private:
     return gradient;
   }
 
+  // Of a voxel of piece_, in the lattice's axes.
+  template <int D>
+  [[nodiscard]] Eigen::Matrix<double, D, D> tensorOf(std::size_t voxel) const
+  {
+    constexpr std::array<std::array<std::size_t, 3>, 3> places{ { { 0, 3, 4 }, { 3, 1, 5 }, { 4, 5, 2 } } };
+    const std::array<float, 6> tensor = piece_->tensors.tensor(voxel);
+    Eigen::Matrix<double, D, D> result;
+    for (std::size_t a = 0; a < D; ++a)
+      for (std::size_t b = 0; b < D; ++b)
+        result(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) = scale_ *
+          static_cast<double>(
+            tensor[places[static_cast<std::size_t>(share_.order()[a])][static_cast<std::size_t>(share_.order()[b])]]);
+    return result;
+  }
+
   // ∂E/∂δ of E = ∫ g·D g over the box, by voxels that go with their corners: g·D g div V − 2 D g · (∇V)ᵀ g.
   template <int D>
   [[nodiscard]] SurfaceDerivatives movedSurfaces() const
@@ -331,11 +364,6 @@ private:
       periodic[a] = problem_.periodic()[a];
     }
     const Motions nodes(all, size, edge, periodic);
-    const DirectedDiffusivity* const directed = problem_.options.directed.get();
-    const std::span<const double> along =
-      directed != nullptr ? std::span<const double>(directed->along) : problem_.diffusivity;
-    const std::span<const double> across =
-      directed != nullptr ? std::span<const double>(directed->across) : problem_.diffusivity;
     const std::size_t ids = problem_.diffusivity.size();
     SurfaceDerivatives sums{ std::vector<double>(ids * ids, 0.0), std::vector<double>(ids * ids, 0.0) };
     std::vector<typename Motions::Motion> motions;
@@ -353,15 +381,11 @@ private:
         nodes.motions(place, motions);
         const std::uint8_t id = piece_->tensors.phase(i);
         const std::array<double, 3> rise = gradientOf(p);
-        const std::array<float, 3> turned = piece_->tensors.axis(i);
+        const Eigen::Matrix<double, D, D> tensor = tensorOf<D>(i);
         Vector g;
-        Vector axis;
         for (int a = 0; a < D; ++a)
-        {
           g(a) = rise[static_cast<std::size_t>(a)];
-          axis(a) = turned[static_cast<std::size_t>(share_.order()[static_cast<std::size_t>(a)])];
-        }
-        const Vector flux = across[id] * g + (along[id] - across[id]) * axis.dot(g) * axis;
+        const Vector flux = tensor * g;
         for (const typename Motions::Motion& motion : motions)
         {
           const std::size_t pair = motion.first * ids + motion.second;
@@ -390,13 +414,30 @@ private:
       "allow more iterations, or a larger tolerance");
   }
 
-  // Of this rank's elements, as the lattice has them, or none.
-  [[nodiscard]] Axes slabAxes() const
+  // Of this rank's block, as the lattice has them, or none.
+  [[nodiscard]] VoxelArrays arraysOfBlock() const
   {
-    if (!hasDirections(problem_))
-      return {};
-    const Axes& given = problem_.options.directed->axis;
-    return share_.moves() ? share_.toSlab(std::span<const std::array<float, 3>>(given)) : given;
+    const DirectedDiffusivity* const directed = problem_.options.directed.get();
+    VoxelArrays arrays;
+    if (hasDirections(problem_))
+      arrays.axis = directed->axis;
+    if (hasOwnTensors(problem_))
+      arrays.tensor = directed->ofNode;
+    return arrays;
+  }
+
+  // Of this rank's elements, likewise.
+  [[nodiscard]] VoxelArrays arraysOfSlab() const
+  {
+    if (!share_.moves())
+      return arraysOfBlock();
+    const DirectedDiffusivity* const directed = problem_.options.directed.get();
+    VoxelArrays arrays;
+    if (hasDirections(problem_))
+      arrays.axis = share_.toSlab(std::span<const std::array<float, 3>>(directed->axis));
+    if (hasOwnTensors(problem_))
+      arrays.tensor = share_.toSlab(std::span<const SymmetricTensor<float>>(directed->ofNode));
+    return arrays;
   }
 
   // Once solved: from this rank's elements to its block, and the mean of a periodic cell. Collective.
@@ -411,8 +452,7 @@ private:
       const Block& block = problem_.parts.block();
       ElementBox box;
       box.elements = share_.turned(block.size);
-      piece_ = std::make_unique<Piece>(problem_, scale_, share_, block, box, problem_.phase,
-        hasDirections(problem_) ? Axes(problem_.options.directed->axis) : Axes{});
+      piece_ = std::make_unique<Piece>(problem_, scale_, share_, block, box, problem_.phase, arraysOfBlock());
       piece_->v = std::move(v);
       phase_ = {};
     }
@@ -595,7 +635,7 @@ void requireTensors(const Problem& problem)
   const DirectedDiffusivity* const d = problem.options.directed.get();
   if (d == nullptr)
     return;
-  if (problem.comm.any(d->axis.size() != problem.phase.size()))
+  if (problem.comm.any(d->hasAxes() && d->axis.size() != problem.phase.size()))
     throw ParameterError(
       fmt::format("{} axes were given for {} nodes", d->axis.size(), problem.phase.size()), "give one for every node");
   if (d->along.size() != problem.diffusivity.size() || d->across.size() != problem.diffusivity.size())
@@ -607,8 +647,11 @@ void requireTensors(const Problem& problem)
       if (!std::isfinite(value) || value < 0)
         throw ParameterError(
           fmt::format("a conductivity of phase {} is {}", id, value), "give finite values of at least 0");
+  if (problem.comm.any(hasOwnTensors(problem) && d->ofNode.size() != problem.phase.size()))
+    throw ParameterError(fmt::format("{} tensors were given for {} nodes", d->ofNode.size(), problem.phase.size()),
+      "give one for every node");
   std::int64_t lost = 0;
-  for (std::size_t i = 0; i < problem.phase.size(); ++i)
+  for (std::size_t i = 0; d->hasAxes() && i < problem.phase.size(); ++i)
   {
     const std::array<float, 3>& a = d->axis[i];
     const double length = std::hypot(a[0], a[1], problem.lattice.dimension == 3 ? a[2] : 0.0);

@@ -10,7 +10,8 @@ namespace lamella::lbm
 
 /// Steady diffusion on trilinear elements, one a voxel (Stencil::Q1): values on the corners of voxels, the faces of the
 /// box on their outer corners, no condition on insulated sides. A voxel has a tensor,
-/// D = D_along a aᵀ + D_across (1 − a aᵀ) with the axis a of its own, or one diffusivity. Whatever the tensors, the
+/// D = D_along a aᵀ + D_across (1 − a aᵀ) with the axis a of its own, one diffusivity, or any tensor that is positive
+/// definite, of its phase or its own (DirectedDiffusivity). Whatever the tensors, the
 /// system is symmetric and positive definite, so any ratio and direction goes; values may overshoot those at the faces
 /// a little. The effective conductivity is a minimum of energy over fewer fields than there are, so it exceeds that of
 /// the voxels as they stand, where the finite volumes' may be above or below. Pictures are volumes one element thick.
@@ -23,7 +24,7 @@ namespace lamella::lbm
 /// Ranks share the elements out (ElementShare), and the levels of the multigrid with them: the iterations are those of
 /// one rank. The field goes to the ranks' blocks when it is first asked for.
 ///
-/// Memory: 52 bytes a voxel, 24 more with axes; pictures have two layers of nodes.
+/// Memory: 52 bytes a voxel, 24 more with axes, 48 more with a tensor a voxel; pictures have two layers of nodes.
 ///
 /// @throws NoPathError; ParameterError: tensors that do not fit, a directed phase's node without an axis
 [[nodiscard]] std::unique_ptr<Backend> makeElementSystem(const Problem& problem);

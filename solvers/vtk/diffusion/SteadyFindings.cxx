@@ -38,6 +38,8 @@ nlohmann::json conductivityJson(const SteadyFindings& found)
       entry = found.conductivity[id];
       if (!found.across.empty() && found.across[id] != found.conductivity[id])
         entry = { found.conductivity[id], found.across[id] }; // along, across
+      if (found.general(id))
+        entry = found.tensors[id];
     }
   }
   return conductivity;
@@ -71,7 +73,7 @@ double SteadyFindings::windowError() const
 
 bool SteadyFindings::outlinesServe() const
 {
-  return dimension == 2 && across.empty() && !shares && !rounding && membranes.empty() &&
+  return dimension == 2 && across.empty() && tensors.empty() && !shares && !rounding && membranes.empty() &&
     std::ranges::count_if(
       fractions, [](double f) { return f > 0; }) == 2;
 }
@@ -82,7 +84,7 @@ std::optional<std::size_t> SteadyFindings::conductingPhase() const
   for (std::size_t id = 0; id < fractions.size(); ++id)
   {
     const bool conducts = fractions[id] > 0 && (conductivity[id] > 0 || (!across.empty() && across[id] > 0));
-    if (conducts && (only || (!across.empty() && across[id] != conductivity[id])))
+    if (conducts && (only || general(id) || (!across.empty() && across[id] != conductivity[id])))
       return std::nullopt;
     only = conducts ? id : only;
   }
@@ -286,6 +288,13 @@ void describe(vtkImageData* output, const SteadyFindings& found)
   setFieldNumbers(output, "phase_conductivity", found.conductivity);
   if (!found.across.empty())
     setFieldNumbers(output, "phase_conductivity_across", found.across);
+  if (!found.tensors.empty())
+  {
+    std::vector<double> numbers;
+    for (const lbm::SymmetricTensor<double>& tensor : found.tensors)
+      numbers.insert(numbers.end(), tensor.begin(), tensor.end());
+    setFieldNumbers(output, "phase_conductivity_tensor", numbers);
+  }
   setFieldNumbers(output, "phase_fraction", found.fractions);
   if (!found.shares)
     setFieldTexts(output, "phase_names", found.phases);

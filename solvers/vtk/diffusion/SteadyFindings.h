@@ -2,12 +2,14 @@
 
 #include "lbm/Bounds.h"
 #include "lbm/DiffusionStudy.h"
+#include "lbm/DirectedDiffusivity.h"
 #include "lbm/StudyChecks.h"
 #include "statistics/ErrorParts.h"
 
 #include "vtkLamellaSolversVTKModule.h" // for the export macro
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <limits>
 #include <optional>
@@ -34,13 +36,16 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
   std::vector<lbm::DiffusionAnswer> answers; ///< by direction that was solved
   std::vector<double> conductivity;          ///< by phase id; where it differs across the wall, that along it
   std::vector<double> across;                ///< by phase id; empty: the same in every direction
-  std::vector<double> uncertainty;           ///< of these, half of an interval; empty: none is told
-  std::vector<double> acrossUncertainty;     ///< likewise
-  std::vector<double> fractions;             ///< by phase id
-  std::vector<std::string> phases;           ///< names by id; of shares low and high, whatever the image's phases
-  bool shares = false;                       ///< of two phases, told by greys
-  std::optional<double> rounding;            ///< of conductivities interpolated between greys
-  std::vector<FoundMembrane> membranes;      ///< by pair of phases
+  /// By phase id, xx, yy, zz, xy, yz, xz, of tensors of voxels the mean; NaN: the phase has none. Empty: no phase has.
+  /// `conductivity` is then the largest principal value.
+  std::vector<lbm::SymmetricTensor<double>> tensors;
+  std::vector<double> uncertainty;       ///< of these, half of an interval; empty: none is told
+  std::vector<double> acrossUncertainty; ///< likewise
+  std::vector<double> fractions;         ///< by phase id
+  std::vector<std::string> phases;       ///< names by id; of shares low and high, whatever the image's phases
+  bool shares = false;                   ///< of two phases, told by greys
+  std::optional<double> rounding;        ///< of conductivities interpolated between greys
+  std::vector<FoundMembrane> membranes;  ///< by pair of phases
   double membraneSeries = 0; ///< of them, what a straight line meets, over its length; of the axis that meets most
   std::string phaseArray;
   int dimension = 2;
@@ -58,6 +63,8 @@ struct VTKLAMELLASOLVERSVTK_EXPORT SteadyFindings
 
   /// The tensor by rows, 9 numbers, NaN in columns that were not solved.
   [[nodiscard]] std::array<double, 9> tensor() const;
+  /// Has this phase a tensor?
+  [[nodiscard]] bool general(std::size_t id) const { return !tensors.empty() && std::isfinite(tensors[id][0]); }
   /// Relative, the largest of the directions; NaN where it is not known.
   [[nodiscard]] double error(double ErrorEstimate::*kind = &ErrorEstimate::relative) const;
   /// How far the picture speaks for its material, relative, the largest of the directions; NaN where it is not known.

@@ -5,6 +5,7 @@
 #include "DiffusionScene.h"
 #include "FieldLayers.h"
 #include "MembranePairs.h"
+#include "PhaseTensors.h"
 #include "RefinedImage.h"
 #include "SteadyFindings.h"
 #include "SurfaceDoubt.h"
@@ -30,6 +31,7 @@
 #include "vtkObjectFactory.h"
 #include "vtkPointData.h"
 #include "vtkStreamingDemandDrivenPipeline.h"
+#include "vtkUnsignedCharArray.h"
 
 #include <fmt/format.h>
 
@@ -119,7 +121,8 @@ void change(vtkDoubleArray* array, F&& f)
 struct vtkSteadyDiffusion::Internals
 {
   std::map<std::string, double> Conductivity;
-  std::map<std::string, double> Across; ///< of the phases whose conductivity differs across the wall
+  std::map<std::string, double> Across;      ///< of the phases whose conductivity differs across the wall
+  std::map<std::string, std::string> Tensor; ///< numbers, of the phases that have one
   std::map<std::string, double> Uncertainty;
   std::map<std::string, double> AcrossUncertainty;
   std::map<std::string, double> Membrane;
@@ -129,6 +132,8 @@ struct vtkSteadyDiffusion::Internals
   std::vector<double> Values;        ///< by id: what is stored where it is above 0
   std::vector<double> Shares;        ///< by id: the part of a node in the phase `high`; empty: ids are phases
   std::vector<std::size_t> Smoothed; ///< ids of the two phases whose labels are smoothed; empty: they are not
+  bool VoxelTensors = false;         ///< the image has an array of tensors
+  lamella::PhaseTensors Tensors;
   std::shared_ptr<lbm::DirectedDiffusivity> Directed;
   std::vector<lbm::Membrane> Membranes; ///< of which the image has both phases
   lbm::SteadyOptions Steady;
@@ -322,6 +327,7 @@ vtkSteadyDiffusion::vtkSteadyDiffusion()
 {
   this->Direction = ALL;
   this->SetInputArrayToProcess(1, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "axis");
+  this->SetInputArrayToProcess(2, 0, 0, vtkDataObject::FIELD_ASSOCIATION_POINTS, "tensor");
   std::fill_n(this->EffectiveConductivity, 9, notSolved);
   this->EstimatedError = notSolved;
 }
@@ -351,6 +357,17 @@ vtkSetNamedMacro(vtkSteadyDiffusion, ConductivityAcross, ConductivitiesAcross, I
 double vtkSteadyDiffusion::GetConductivityAcross(const char* phase)
 {
   return lamella::named(this->Internal->Across, phase);
+}
+
+void vtkSteadyDiffusion::SetConductivityTensor(const char* phase, const char* numbers)
+{
+  lamella::setNamed(this, this->Internal->Tensor, phase, std::string(numbers != nullptr ? numbers : ""));
+}
+vtkRemoveAllMacro(vtkSteadyDiffusion, ConductivityTensors, Internal->Tensor);
+
+int vtkSteadyDiffusion::GetNumberOfConductivityTensors()
+{
+  return static_cast<int>(this->Internal->Tensor.size());
 }
 
 vtkSetNamedMacro(vtkSteadyDiffusion, ConductivityUncertainty, ConductivityUncertainties, Internal->Uncertainty);
@@ -462,6 +479,7 @@ int vtkSteadyDiffusion::RequestData(
     },
     outputVector);
   this->Internal->Directed.reset();
+  this->Internal->Tensors = {};
   this->Internal->Shares.clear();
   this->Internal->Smoothed.clear();
   this->Internal->Membranes.clear();
@@ -485,15 +503,16 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
     throw lamella::ParameterError("smoothed labels of an image that is grey", "take one of them");
   const bool parts = shares || this->SmoothLabels;
   const std::string what = shares ? "greys as shares of two phases" : "smoothed labels";
-  if (parts && (this->Refinement > 1 || this->TargetError > 0 || !this->Internal->Across.empty()))
-    throw lamella::ParameterError(what + ", with pixels that are split or conduct along and across",
-      "leave out the refinement, the target error and the second conductivity: two spacings give the error");
+  const bool directions = !this->Internal->Across.empty() || !this->Internal->Tensor.empty();
+  if (parts && (this->Refinement > 1 || this->TargetError > 0 || directions))
+    throw lamella::ParameterError(what + ", with pixels that are split or conduct differently by direction",
+      "leave out the refinement, the target error and all but one conductivity a phase: two spacings give the error");
   if (parts && this->EstimateWindowError)
     throw lamella::ParameterError(what + ", with a window error",
       shares ? "leave one of them out: the windows of phases, thresholded, tell the same"
              : "leave one of them out: the windows of whole voxels tell the same");
-  if (this->Interpolate && (shares || !this->Internal->Across.empty()))
-    throw lamella::ParameterError("interpolated conductivities with shares, or along and across", "take one of them");
+  if (this->Interpolate && (shares || directions))
+    throw lamella::ParameterError("interpolated conductivities with shares, or by direction", "take one of them");
   if (this->TellsSurfaces() && this->Interpolate)
     throw lamella::ParameterError(
       "a segmentation error of conductivities interpolated between greys, which have no surfaces",
@@ -511,8 +530,13 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
       else if (shares)
         bins = lamella::GreyBins::even(this->Shares[0], this->Shares[1]);
     });
+  // whose voxels have tensors; of phases that have nothing else, which are not known yet
+  vtkInformation* const choice = this->GetInputArrayInformation(2);
+  const char* const tensors = choice->Has(vtkDataObject::FIELD_NAME()) ? choice->Get(vtkDataObject::FIELD_NAME()) : "";
+  this->Internal->VoxelTensors = !parts && !this->Interpolate &&
+    team.any(input->GetNumberOfPoints() > 0 && input->GetPointData()->HasArray(tensors) != 0);
   const bool gathered = this->EstimateError || this->EstimateWindowError || this->Refinement > 1 ||
-    this->TargetError > 0 || !this->Internal->Across.empty() || parts || membranes;
+    this->TargetError > 0 || directions || this->Internal->VoxelTensors || parts || membranes;
   const lamella::DiffusionScene scene(
     input, this->GetInputArrayInformation(0), this->Direction, team, gathered, lamella::Voxels::Any, bins);
   if (table)
@@ -545,8 +569,8 @@ void vtkSteadyDiffusion::RefuseMembranes(bool shares) const
   if (this->SmoothLabels)
     throw lamella::ParameterError(
       "membranes between smoothed labels, whose voxels hold both phases", "leave one of them out");
-  if (!this->Internal->Across.empty())
-    throw lamella::ParameterError("membranes between phases that conduct along and across walls",
+  if (!this->Internal->Across.empty() || !this->Internal->Tensor.empty())
+    throw lamella::ParameterError("membranes between phases that conduct differently by direction",
       "give each phase one conductivity, or leave the membranes out");
   if (this->Lattice == D2Q9 || this->Lattice == D3Q19 || this->Lattice == Q1)
     throw lamella::ParameterError(std::string("membranes on ") +
@@ -610,14 +634,25 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
             "leave them out: sensitivities tell what each grey counts for");
         return;
       }
-      found.conductivity = lamella::conductivityById(scene.phases, internal.Conductivity, scene.nodes);
-      found.across = lamella::acrossById(scene.phases, internal.Conductivity, internal.Across, scene.nodes);
+      internal.Tensors = lamella::phaseTensors(
+        scene.phases, internal.Conductivity, internal.Tensor, scene.nodes, internal.VoxelTensors, lattice.dimension);
+      const auto& given = internal.Tensors.conductivity;
+      found.conductivity = lamella::conductivityById(scene.phases, given, scene.nodes);
+      found.across = lamella::acrossById(scene.phases, given, internal.Across, scene.nodes);
       found.uncertainty =
         lamella::uncertaintyById(scene.phases, internal.Conductivity, nullptr, internal.Uncertainty, scene.nodes);
       found.acrossUncertainty = lamella::uncertaintyById(
         scene.phases, internal.Conductivity, &internal.Across, internal.AcrossUncertainty, scene.nodes);
       if (this->SmoothLabels)
         this->TakeLabels(scene);
+      const bool tensors = !internal.Tensors.source.empty();
+      if (tensors && this->Lattice != AUTO_LATTICE && this->Lattice != Q1)
+        throw lamella::ParameterError(
+          std::string("conductivities that are tensors on ") + lbm::name(scene.stencil(this->Lattice)),
+          "elements carry them: take q1, or leave the choice of the lattice");
+      if (tensors && (!internal.Membrane.empty() || !internal.Permeance.empty()))
+        throw lamella::ParameterError("membranes between phases that conduct differently by direction",
+          "give each phase one conductivity, or leave the membranes out");
       if (!found.across.empty() && this->Lattice == D2Q9 && (this->TellsSensitivity() || this->TellsSurfaces()))
         throw lamella::ParameterError(
           std::string(this->TellsSensitivity() ? "sensitivities to" : "a segmentation error of") +
@@ -650,10 +685,11 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   }
   found.dimension = lattice.dimension;
   found.stencil = scene.stencil(this->Lattice);
-  if (!found.across.empty() && this->Lattice == AUTO_LATTICE)
+  if ((!found.across.empty() || !internal.Tensors.source.empty()) && this->Lattice == AUTO_LATTICE)
   {
-    const bool links = lattice.dimension == 2 && lattice.cubes() && this->Sides != MIXED && !this->TellsSensitivity() &&
-      !this->TellsSurfaces() && lbm::linksCarry(found.conductivity, found.across);
+    const bool links = internal.Tensors.source.empty() && lattice.dimension == 2 && lattice.cubes() &&
+      this->Sides != MIXED && !this->TellsSensitivity() && !this->TellsSurfaces() &&
+      lbm::linksCarry(found.conductivity, found.across);
     found.stencil = links ? lbm::Stencil::D2Q9 : lbm::Stencil::Q1;
   }
   if (!found.shares)
@@ -670,15 +706,8 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
       fraction /= static_cast<double>(lattice.count());
     internal.Values = found.conductivity;
   }
-  if (!found.across.empty())
-  {
-    const lamella::NodeVectors axis = lamella::vectorsOf(input, this->GetInputArrayInformation(1), "axis",
-      "give the directions along the walls, as MicrographLattice does, take one conductivity a phase",
-      lattice.dimension, team);
-    internal.Directed = std::make_shared<lbm::DirectedDiffusivity>(lbm::DirectedDiffusivity{
-      found.conductivity, found.across, lamella::gatherAxes(lattice, scene.whole.held, axis.array, team) });
-    internal.Values = internal.Directed->larger(); // what conducts at all
-  }
+  if (!found.across.empty() || !internal.Tensors.source.empty())
+    this->TakeDirections(input, scene, team);
   lbm::SteadyOptions& options = internal.Steady;
   options.stencil = found.stencil;
   options.sides = this->Sides == PERIODIC ? lbm::Sides::Periodic
@@ -701,6 +730,44 @@ void vtkSteadyDiffusion::Prepare(vtkImageData* input, const lamella::DiffusionSc
   team.agree([&] { lbm::requireMemory(size); });
   if (std::string words = lbm::plan(size, static_cast<int>(internal.Axes.size()), options.threads); !words.empty())
     this->InvokeEvent(PLAN_EVENT, words.data());
+}
+
+// What phases conduct that conduct differently by direction.
+void vtkSteadyDiffusion::TakeDirections(
+  vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team)
+{
+  using Source = lbm::DirectedDiffusivity::Source;
+  auto& internal = *this->Internal;
+  lamella::SteadyFindings& found = internal.Found;
+  const lamella::Lattice& lattice = scene.lattice();
+  auto directed = std::make_shared<lbm::DirectedDiffusivity>();
+  directed->along = found.conductivity;
+  directed->across = found.across.empty() ? found.conductivity : found.across;
+  if (!found.across.empty())
+  {
+    const lamella::NodeVectors axis = lamella::vectorsOf(input, this->GetInputArrayInformation(1), "axis",
+      "give the directions along the walls, as MicrographLattice does, take one conductivity a phase",
+      lattice.dimension, team);
+    directed->axis = lamella::gatherAxes(lattice, scene.whole.held, axis.array, team);
+  }
+  if (!internal.Tensors.source.empty())
+  {
+    directed->source = internal.Tensors.source;
+    directed->ofPhase = internal.Tensors.ofPhase;
+    if (std::ranges::find(directed->source, Source::Node) != directed->source.end())
+      directed->ofNode = lamella::gatherTensors(lattice, scene.whole.held,
+        input->GetNumberOfPoints() > 0
+          ? input->GetPointData()->GetArray(this->GetInputArrayInformation(2)->Get(vtkDataObject::FIELD_NAME()))
+          : nullptr,
+        team);
+    directed->takeTensors(lattice, scene.image.phase);
+    found.tensors = directed->means(scene.image.phase);
+    found.conductivity = directed->along;
+    if (!found.across.empty())
+      found.across = directed->across;
+  }
+  internal.Values = directed->larger(); // what conducts at all
+  internal.Directed = std::move(directed);
 }
 
 // What each grey conducts.

@@ -8,7 +8,8 @@
  *
  * **Input**: that of vtkDiffusionAlgorithm. For phases that conduct differently along and across an axis also its
  * direction: `axis` unless another is chosen with SetInputArrayToProcess(1, ...), 2 or 3 components (of volumes 3) of
- * any length, as vtkMicrographLattice makes it (lbm/DirectedLinks.h, lbm/elements/ElementSystem.h).
+ * any length, as vtkMicrographLattice makes it (lbm/DirectedLinks.h, lbm/elements/ElementSystem.h). For phases whose
+ * voxels have tensors of their own these: `tensor` unless another is chosen with SetInputArrayToProcess(2, ...).
  *
  * **Output**: the input with, as asked for,
  * - `temperature` or `concentration` (double, scaled 0 to 1; NaN where nothing conducts),
@@ -33,13 +34,15 @@
  * `formation_factor`, its inverse; the tortuosity factor then is the phase's fraction times the formation factor. NaN
  * where several conduct
  * - `bounds`: series, Hashin–Shtrikman of isotropic media (lower, upper), parallel; of a phase with two conductivities
- *   the lower ones are those of the smaller, the upper ones those of the larger
+ *   the lower ones are those of the smaller, the upper ones those of the larger; of tensors of the least and of the
+ *   largest principal value
  * - `balance`, `solver_error`, `iterations`, `stored_nodes`, `skipped_nodes`, `refinement`: 3 numbers, by direction;
  * NaN where not solved
  * - `conductivity_rounding`, of interpolated conductivities: largest relative change by which bins of greys stand for
  *   their greys; 0: each grey has its own. By it at most the effective one is off
  * - `phase_conductivity`: by phase id; `phase_fraction` likewise; `phase_names`. Where one differs across the wall
- *   also `phase_conductivity_across`
+ *   also `phase_conductivity_across`; where phases have tensors `phase_conductivity_tensor`, 6 numbers a phase (xx, yy,
+ *   zz, xy, yz, xz), of voxels their mean, and `phase_conductivity` is the largest principal value
  * - with EstimateSegmentationError `surface_doubt` [pixels], `surface_sensitivity`: 3 numbers a pair of phases (0 and
  * 1, 0 and 2, … 1 and 2, …), how the effective conductivity along x, y, z changes where the first of the two grows into
  *   the other by a pixel, and `segmentation_error_by_direction`, relative: what the doubt leaves, levels between phases
@@ -47,7 +50,8 @@
  * - with ComputeSensitivity `conductivity_sensitivity`: 3 numbers a phase, ∂K/∂k of the effective conductivity along x,
  *   y, z by that of the phase; of greys as shares by those of low and high. NaN where it does not conduct, or that
  *   direction was not solved. K = Σ k ∂K/∂k. Of phases with two conductivities that is the one along; also
- *   `conductivity_across_sensitivity`
+ *   `conductivity_across_sensitivity`; of a phase with tensors that to their largest principal value, all in
+ *   proportion
  * - with membranes `membrane_names`, `membrane_resistance`, `membrane_area` (surface over volume [1/m], of pictures
  *   length over area), and with ComputeSensitivity `membrane_sensitivity`: 3 numbers a membrane, ∂K/∂R. K = Σ k ∂K/∂k
  *   − Σ R ∂K/∂R. `bounds`: the series bound holds with them, Hashin and Shtrikman's lower one does not and is the
@@ -134,6 +138,25 @@ public:
   void RemoveAllConductivitiesAcross();
   /** NaN when the phase has none. */
   double GetConductivityAcross(const char* phase);
+  ///@}
+
+  ///@{
+  /**
+   * Of phases that conduct differently in every direction: the tensor's numbers in the image's axes, with spaces
+   * between them: xx yy zz, or xx yy zz xy yz xz, or all 9 by rows; of pictures also xx yy, or 4 by rows. Symmetric,
+   * its principal values above 0 and within a ratio of 1e6. On elements, q1. Phases with neither a conductivity nor
+   * this take the tensors of their voxels, where the image has a point array `tensor` of 6 components (xx, yy, zz, xy,
+   * yz, xz) or 9.
+   *
+   * `phase` is a name or a number, as SetConductivity() takes it.
+   * @title Conductivity of phases as a tensor
+   * @group Materials
+   * @columns Phase, Numbers
+   * @advanced
+   */
+  void SetConductivityTensor(const char* phase, const char* numbers);
+  void RemoveAllConductivityTensors();
+  int GetNumberOfConductivityTensors();
   ///@}
 
   ///@{
@@ -393,6 +416,7 @@ private:
   void TakeLabels(const lamella::DiffusionScene& scene);
   void RefuseMembranes(bool shares) const;
   void TakeMembranes(const lamella::DiffusionScene& scene);
+  void TakeDirections(vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team);
   void TakeGreys(const lamella::DiffusionScene& scene, const lamella::GreyTable& table);
   void Prepare(vtkImageData* input, const lamella::DiffusionScene& scene, const lamella::Team& team);
   void SolveInBlocks(const lamella::DiffusionScene& scene, FieldStore& store, const lamella::Team& team);

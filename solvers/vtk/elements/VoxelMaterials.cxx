@@ -12,7 +12,6 @@
 #include <cmath>
 #include <limits>
 #include <optional>
-#include <sstream>
 
 namespace lamella
 {
@@ -26,16 +25,10 @@ constexpr double usualRatio = 0.3;
 /// The upper triangle of a tensor that is written as its numbers: 21 of space, also for pictures, or 6 of the plane.
 el::PhaseStiffness tensorOf(const std::string& text, int dimension, const std::string& phase)
 {
-  std::vector<double> numbers;
-  std::istringstream words(text);
-  for (std::string word; words >> word;)
-  {
-    const std::optional<double> value = toNumber(word);
-    if (!value)
-      throw ParameterError(fmt::format("'{}' of the stiffness of '{}' is no number", word, phase),
-        "give numbers [Pa] with spaces between them");
-    numbers.push_back(*value);
-  }
+  auto [numbers, wrong] = toNumbers(text);
+  if (wrong)
+    throw ParameterError(fmt::format("'{}' of the stiffness of '{}' is no number", *wrong, phase),
+      "give numbers [Pa] with spaces between them");
   if (dimension == 2 && numbers.size() == 4) // C11 C12 C22 C66
     return { numbers[0], numbers[1], 0, numbers[2], 0, numbers[3] };
   if (numbers.size() == 3) // cubic

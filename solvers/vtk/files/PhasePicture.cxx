@@ -440,7 +440,7 @@ void carryAlong(vtkImageData* image, vtkImageData* file, const std::optional<Win
   {
     vtkAbstractArray* const array = held->GetAbstractArray(i);
     const std::string name = array->GetName() != nullptr ? array->GetName() : "";
-    const bool ofPixel = name == "grain" || name == "axis";
+    const bool ofPixel = name == "grain" || name == "axis" || name == "tensor";
     const bool wanted = names.empty() ? refine == 1 || ofPixel : std::ranges::find(names, name) != names.end();
     if (name.empty() || !wanted || image->GetPointData()->HasArray(name.c_str()))
       continue;

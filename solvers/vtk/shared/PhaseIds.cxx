@@ -326,6 +326,15 @@ void requireVoids(const PhaseIds& phases, const std::vector<std::string>& voids)
     requirePhase(phases, name, "'" + name + "' is to be void, but is no phase of this image");
 }
 
+std::optional<double> numberOf(const PhaseIds& phases, const std::map<std::string, double>& table, std::size_t id)
+{
+  const std::string value = std::to_string(phases.values[id]);
+  auto entry = entryOf(table, phases.names, id);
+  if (entry == table.end() && std::find(phases.names.begin(), phases.names.end(), value) == phases.names.end())
+    entry = table.find(value);
+  return entry != table.end() ? std::optional(entry->second) : std::nullopt;
+}
+
 std::vector<double> conductivityById(const PhaseIds& phases, const std::map<std::string, double>& table,
   std::span<const std::int64_t> nodes, const std::string& quantity)
 {
@@ -337,25 +346,21 @@ std::vector<double> conductivityById(const PhaseIds& phases, const std::map<std:
   for (std::size_t id = 0; id < result.size(); ++id)
   {
     const std::string& name = phases.names[id];
-    const std::string value = std::to_string(phases.values[id]);
-    auto entry = entryOf(table, phases.names, id);
-    if (entry == table.end() && std::find(phases.names.begin(), phases.names.end(), value) == phases.names.end())
-      entry = table.find(value);
-    if (entry != table.end())
+    if (const std::optional<double> given = numberOf(phases, table, id))
     {
-      if (!std::isfinite(entry->second) || entry->second < 0)
+      if (!std::isfinite(*given) || *given < 0)
       {
-        throw ParameterError("the " + quantity + " of phase '" + name + "' is " + numberText(entry->second) +
+        throw ParameterError("the " + quantity + " of phase '" + name + "' is " + numberText(*given) +
             "; it must be finite and not negative",
           "give 0 for a phase that does not conduct");
       }
-      if (entry->second != 0 && !plausible(entry->second))
+      if (*given != 0 && !plausible(*given))
       {
-        throw ParameterError(fmt::format("the {} of phase '{}' is {:g}, which is not between 1e-30 and 1e30", quantity,
-                               name, entry->second),
+        throw ParameterError(
+          fmt::format("the {} of phase '{}' is {:g}, which is not between 1e-30 and 1e30", quantity, name, *given),
           "no material has it; give 0 for a phase that does not conduct");
       }
-      result[id] = entry->second;
+      result[id] = *given;
     }
     else if (nodes[id] > 0)
     {

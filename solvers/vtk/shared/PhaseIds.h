@@ -57,6 +57,10 @@ void requirePhase(const PhaseIds& phases, const std::string& name, const std::st
 /// @throws ParameterError for a phase that is to be void and that the image does not know
 void requireVoids(const PhaseIds& phases, const std::vector<std::string>& voids);
 
+/// What a table by name or value has of a phase; none where it has nothing.
+[[nodiscard]] std::optional<double> numberOf(
+  const PhaseIds& phases, const std::map<std::string, double>& table, std::size_t id);
+
 /// Conductivity, or another number that is not negative, by id from a table by name or value.
 /// @param nodes by id, how many nodes have it in the whole image; phases without nodes need no conductivity
 /// @param quantity what messages call it

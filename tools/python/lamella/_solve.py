@@ -130,17 +130,22 @@ def run_on(image, algorithm, settings, progress=None):
 
 
 def parted(settings):
-    """Conductivities (along, across) as the class takes them."""
+    """Conductivities (along, across), and tensors, as the class takes them."""
     given = settings.values
     along, across = {}, dict(given.get("conductivity_across") or {})
+    tensors = {name: row if isinstance(row, str) else " ".join(map(repr, np.ravel(row).astype(float).tolist()))
+               for name, row in (given.get("conductivity_tensor") or {}).items()}
     for name, value in entries(given.get("conductivity"), "conductivity", "{phase: value}"):
+        if np.ndim(value) == 2:
+            tensors[name] = " ".join(map(repr, np.ravel(value).astype(float).tolist()))
+            continue
         pair = isinstance(value, (tuple, list))
         if pair and len(value) != 2:
-            raise ValueError(f"the conductivity of {name!r} is {value!r}; give a number, or (along, across)")
+            raise ValueError(f"the conductivity of {name!r} is {value!r}; give a number, (along, across), or a tensor")
         along[name] = value[0] if pair else value
         if pair:
             across[name] = value[1]
-    given.update(conductivity=along, conductivity_across=across)
+    given.update(conductivity=along, conductivity_across=across, conductivity_tensor=tensors)
 
 
 @declared(vtkSteadyDiffusion, first=("conductivity", "direction", "sides", "quantity"), formerly={"fields": "field"})
@@ -153,7 +158,8 @@ def diffusion(image: Image, settings: Settings, progress: Progress | None = None
     ``membrane`` and ``permeance`` are dictionaries by pair of phases, {"lumen-wall": 2e-8}.
 
     What is not asked for, field or flux, is not computed. A conductivity may be (along, across) where it differs along the
-    wall, whose direction is the point array ``axis`` of a lattice from outlines.
+    wall, whose direction is the point array ``axis`` of a lattice from outlines, or a symmetric tensor, 3 by 3 (of pictures 2 by
+    2) in the image's axes. Phases without one take the tensors of the image's point array ``tensor``, where it has that.
     """
     parted(settings)
     given = settings.values
