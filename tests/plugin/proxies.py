@@ -54,6 +54,9 @@ class Proxies(unittest.TestCase):
         self.assertAlmostEqual(field(heat, "effective_conductivity")[0], expected.effective[0, 0], places=7)
         heat.SMProxy.UpdatePropertyInformation()
         self.assertAlmostEqual(heat.GetPropertyValue("EffectiveConductivity")[0], expected.effective[0, 0], places=7)
+        tensors = pv.SteadyDiffusion(Input=tissue, Conductivities=["lumen", "0.023"], ConductivityTensors=["wall", "1 0.4 0.4 0.2 0 0"])
+        self.assertAlmostEqual(field(tensors, "effective_conductivity")[0],
+                               lamella.diffusion(lamella.softwood(size=(90, 80)), {"wall": [[1, 0.2], [0.2, 0.4]], "lumen": 0.023}, "x").effective[0, 0], places=7)
         self.assertEqual(servermanager.Fetch(flux, idx=1).GetNumberOfLines(), 60)
         self.assertEqual(flux.PointData["flux_magnitude"].GetNumberOfComponents(), 1)
 
