@@ -12,6 +12,7 @@ import unittest
 import xml.etree.ElementTree as ElementTree
 
 import lamella
+from vtkmodules.vtkCommonCore import vtkStringArray
 
 SOURCES, PANELS = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
 sys.path.insert(0, str(SOURCES / "tools/settings"))
@@ -23,7 +24,7 @@ DECLARED = Declarations(headers_of(SOURCES))
 CLASSES = [name for name, kind in DECLARED.classes.items() if not kind.abstract]
 # Objects that are handed over, and what sets several at once by a name
 NO_SETTINGS = {"SetController", "SetInputData", "SetInputConnection", "AddInputData", "AddInputConnection", "SetImageData", "SetImageConnection",
-               "SetPictureConnection", "SetPictureData", "SetPointsConnection", "AddPointsData", "SetOverlayLines", "SetPresetByName", "SetOverlayByName", "AddNotchInSpace", "SetSolver", "AddSample"}
+               "SetPictureConnection", "SetPictureData", "SetPointsConnection", "AddPointsData", "SetOverlayLines", "SetPresetByName", "SetOverlayByName", "AddNotchInSpace", "SetSolver"}
 # Numbers without a unit: shares, strains, ratios, counts, values in units of the data
 PURE = re.compile(r"share|strain|ratio|spacing|lattice unit|in any unit|over the|of all tensile|tensile stresses|number|relative|seed|nodes|"
                   r"pixels|tolerance|residual|kinetic|Poisson|value|smoothed|standard deviation|speed|friction|length|coordinates|channel|opacity|place|position|axis|wave|grains|colour|background", re.I)
@@ -32,7 +33,7 @@ PURE = re.compile(r"share|strain|ratio|spacing|lattice unit|in any unit|over the
 class Panels(unittest.TestCase):
     def test_every_class_has_a_panel(self):
         made = {"vtk" + path.stem for path in PANELS.glob("*.xml")}
-        self.assertEqual(set(CLASSES) - made, {"vtkSnapshot", "vtkFileConverter", "vtkMaterialFit"})  # draw, convert, fit: no source or filter
+        self.assertEqual(set(CLASSES) - made, {"vtkSnapshot", "vtkFileConverter"})  # draw, convert: no source or filter
 
     def test_menus(self):
         """A source or filter is in a group, whose icon there is. ParaView's search looks for its words in the help, too."""
@@ -48,6 +49,20 @@ class Panels(unittest.TestCase):
                 self.assertTrue((SOURCES / f"pvplugin/icons/{icon}.svg").exists())
                 told = root.find(".//Documentation")
                 self.assertRegex(told.text + told.get("long_help"), words.get(icon, "."))
+
+    def test_parts_have_what_a_fit_leaves_open(self):
+        """Of each solver the panel of the fit shows all that the command has an option for, with the class's own defaults."""
+        root = ElementTree.parse(PANELS / "MaterialFit.xml").getroot()
+        parts = root.findall("ProxyGroup[@name='lamella_parts']/Proxy")
+        self.assertEqual([part.get("class") for part in parts], ["vtkSteadyDiffusion", "vtkVoxelStiffness"])
+        words = vtkStringArray()
+        for part in parts:
+            lamella.vtkMaterialFit.GetSettingsLeftOut(part.get("class"), words)
+            left = {words.GetValue(i) for i in range(words.GetNumberOfValues())}
+            settings = {setting.name: setting for setting in DECLARED.settings(part.get("class"))}
+            shown = {name for name in settings if part.find(f"*[@name='{name}']") is not None}
+            self.assertEqual({name for name, setting in settings.items() if setting.word not in left}, shown)
+            self.assertEqual(part.find("*[@name='EstimateError']").get("default_values"), "1")
 
     def test_every_setter_is_declared(self):
         for name in CLASSES:

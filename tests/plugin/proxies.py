@@ -107,6 +107,47 @@ class Proxies(unittest.TestCase):
         self.assertEqual(field(walls, "pore_dropped"), list(expected.dropped))
         self.assertEqual(sorted(walls.PointData.keys()), ["phase", "pore"])
 
+    def test_fit(self):
+        """Samples as inputs, a solver that is chosen in the panel, tables of what was found; what runs again."""
+        tissue = pv.MicrostructureSource(Size=[90, 80, 1], Seed=3)
+        fit = pv.MaterialFit(Input=[tissue], Unknowns=["wall"], Measurements=["y=0.112±0.003"])
+        self.assertEqual(list(fit.GetProperty("Solver").Available), ["Steady Diffusion", "Voxel Stiffness"])
+        fit.Solver.Conductivities = ["lumen", "0.026"]
+        fit.UpdatePipeline()
+        sample = lamella.softwood(size=(90, 80), seed=3)
+        told = lamella.fit("diffusion", sample, "wall", {"y": (0.112, 0.003)}, conductivity={"lumen": 0.026})
+        found = servermanager.Fetch(fit, idx=1)
+        self.assertEqual(found.GetValueByName(0, "unknown").ToString(), "conductivity:wall")
+        for column, expected in (("value", told.values), ("low", told.low), ("high_by_measurement", told.high_by_measurement)):
+            self.assertAlmostEqual(found.GetValueByName(0, column).ToDouble(), expected["conductivity:wall"], places=9)
+        measured = servermanager.Fetch(fit, idx=2)
+        self.assertAlmostEqual(measured.GetValueByName(0, "lattice_and_picture").ToDouble(), told.lattice_and_picture["y"], places=9)
+        self.assertEqual(sorted(fit.PointData.keys()), ["flux_x", "flux_y", "phase", "temperature_x", "temperature_y"])
+        # another number of the solver's runs it again, and all outputs show it; nothing does not
+        runs = []
+        fit.GetClientSideObject().AddObserver("StartEvent", lambda *_: runs.append(1))
+        fit.UpdatePipeline()
+        self.assertEqual(len(runs), 0)
+        fit.Solver.Conductivities = ["lumen", "0.05"]
+        fit.UpdatePipeline()
+        self.assertEqual(len(runs), 1)
+        told = lamella.fit("diffusion", sample, "wall", {"y": (0.112, 0.003)}, conductivity={"lumen": 0.05})
+        self.assertAlmostEqual(servermanager.Fetch(fit, idx=1).GetValueByName(0, "value").ToDouble(), told.values["conductivity:wall"], places=9)
+        # another solver, a second sample at another moisture
+        dense = pv.MicrostructureSource(Size=[90, 80, 1], Seed=4, SolidFraction=0.5)
+        fit.Solver = "Voxel Stiffness"
+        fit.Solver.PoissonsRatios = ["wall", "0.2"]
+        fit.Input = [tissue, dense]
+        fit.Unknowns = ["young:wall", "slope:young:wall"]
+        fit.Measurements = ["E_x@0=1e9+-2e7", "2/E_x@0.12=1e9+-2e7"]
+        fit.UpdatePipeline()
+        told = lamella.fit("stiffness", sample, ["young:wall", "slope:young:wall"], {"E_x@0": (1e9, 2e7), "2/E_x@0.12": (1e9, 2e7)},
+                           also=[lamella.softwood(size=(90, 80), seed=4, solid_fraction=0.5)], poisson={"wall": 0.2})
+        found = servermanager.Fetch(fit, idx=1)
+        for row, name in enumerate(("young:wall", "slope:young:wall")):
+            self.assertEqual(found.GetValueByName(row, "unknown").ToString(), name)
+            self.assertAlmostEqual(found.GetValueByName(row, "value").ToDouble() / told.values[name], 1, places=9)
+
     def test_stresses(self):
         tissue = pv.MicrostructureSource(Size=[90, 80, 1])
         stresses = pv.Calculator(Input=tissue, ResultArrayName="yy", Function="coordsX*coordsX - 1e-10")

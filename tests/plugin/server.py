@@ -36,12 +36,16 @@ def work():
     torn = pv.BondFracture(Input=walls, Method="Accurate: all after each break", MaximumBroken=12, StatesAtBroken=[5],
                            Tolerance=1e-9)
     steps = pv.LatticeBoltzmann(Input=walls, EndTime=1e-7, NumberOfSteps=2)
+    fit = pv.MaterialFit(Input=[tissue], Unknowns=["wall"], Measurements=["y=0.112+-0.003"])
     results = {}
-    for proxy in (heat, pores, torn, steps):
+    for proxy in (heat, pores, torn, steps, fit):
         proxy.UpdatePipeline()
     results["conductivity"] = numbers(heat, "effective_conductivity")
     results["pores"] = np.r_[numbers(pores, "pore_count"), numbers(pores, "pore_largest"), numbers(pores, "porosity")]
     results["strength"] = np.r_[numbers(torn, "peak_stress"), numbers(torn, "first_break_strain")]
+    found = servermanager.Fetch(fit, idx=1)  # of the first rank alone
+    results["fit"] = np.r_[numbers(fit, "fit_value"), numbers(fit, "fit_high"), found.GetNumberOfRows(), found.GetValueByName(0, "low").ToDouble()]
+    results["field at the fit"] = np.r_[fit.PointData["temperature_y"].GetRange()]  # of all ranks
     bonds = servermanager.Fetch(torn, idx=1)
     results["broken"] = vtk_to_numpy(bonds.GetPoints().GetData()).copy()
     # A state of the way with its stress, for which nothing runs again on any rank.

@@ -89,8 +89,8 @@ public:
     const io::Provenance record = recordRun(session_, commandLine_, options_.picture.file, provenance_);
     if (file_)
     {
-      setProvenance(fit_->GetOutput(), io::toJson(record));
-      writeGrid(fit_->GetOutput(), *file_);
+      setProvenance(fit_->GetImage(), io::toJson(record));
+      writeGrid(fit_->GetImage(), *file_);
       file_->commit();
     }
     printReport(session_, options_.common, report(fit_->GetFindings()), record, [](const Json& j) { return words(j); });
@@ -111,7 +111,7 @@ private:
         provenance_ = sample.provenance;
       const std::vector<std::string> names = sample.image.phases.names();
       phases.insert(phases.end(), names.begin(), names.end());
-      fit_->AddSample(imageOf(sample));
+      fit_->AddInputDataObject(imageOf(sample));
     }
     options_.picture.file = files.front();
     options_.solver.checkNames(phases);
@@ -128,7 +128,7 @@ private:
     const std::size_t m = found.unknowns.size();
     for (std::size_t i = 0; i < m; ++i)
     {
-      const auto& p = found.best.parameters[i];
+      const auto& p = found.values[i];
       const auto& alone = found.byMeasurement[i];
       json["unknown"][found.unknowns[i].key()] = { { "value", p.value }, { "low", p.low }, { "high", p.high },
         { "low_by_measurement", alone.low }, { "high_by_measurement", alone.high } };
@@ -239,11 +239,12 @@ Command fitCommand(CLI::App& root)
   addOption(*byDiffusion, "Materials", "--conductivity", diffusion->conductivity,
     "Conductivity of a phase that is known; ALONG:ACROSS where it differs along the walls",
     "NAME=VALUE|NAME=ALONG:ACROSS");
-  addFitOptions(*byDiffusion, *diffusion, "vtkSteadyDiffusion", "PHASE[=START]", "x|y|z=VALUE±HALF");
+  addFitOptions(*byDiffusion, *diffusion, "vtkSteadyDiffusion", "[slope:]PHASE[=START]", "x|y|z[@MOISTURE]=VALUE±HALF");
   auto stiffness = std::make_shared<FitOptions>();
   CLI::App* const byStiffness = fit->add_subcommand("stiffness", "Moduli of phases from effective ones");
   addPictureOptions(*byStiffness, stiffness->picture);
-  addFitOptions(*byStiffness, *stiffness, "vtkVoxelStiffness", "PROPERTY:PHASE[=START]", "E_x|G_xy|…=VALUE±HALF");
+  addFitOptions(*byStiffness, *stiffness, "vtkVoxelStiffness", "[slope:]PROPERTY:PHASE[=START]",
+    "E_x|G_xy|…[@MOISTURE]=VALUE±HALF");
   return { fit,
     [=](Session& session, const std::string& line)
     {

@@ -15,12 +15,18 @@ only: pvplugin/NAME.xml. Of a base class such a file gives what its subclasses s
       <Advanced/> <Plain/>                      names as in <Without>, of what is seldom needed, or often in this class
       <Chart name="LamellaX" port="1" x="strain" draws="stress" leaves="time">What a table shows.</Chart>
                                                 opens that port as lines over a column, of the columns that a table has (Chart.xml)
+      <Choose name="Solver">What solves.        an object of one of some classes, whose settings the panel shows under it
+        <One class="vtkY">                      <Group> as above, <Start>: of its settings those that groups name are shown
+          <Group label="Materials">YoungsModuli</Group>
+        </One>
+      </Choose>
     </Panel>
 
 Anything else, such as <Hints>, goes into the XML as it is.
 """
 
 import copy
+import dataclasses
 import math
 import pathlib
 import xml.etree.ElementTree as ElementTree
@@ -91,6 +97,8 @@ class Panel:
             ElementTree.SubElement(proxy, "OutputPort", index=str(index), name=element.text)
         for element in self.arrays.values():
             self.add_array(proxy, element)
+        for element in layout.findall("Choose"):
+            self.add_choose(root, proxy, element)
         for setting in self.settings.values():
             if setting.name not in self.without:
                 self.add_setting(proxy, setting)
@@ -100,7 +108,7 @@ class Panel:
                 self.fail(f"nothing tells {name}")
             self.add_told(proxy, name, *tells[name])
         self.add_groups(proxy)
-        known = {"Input", "Output", "Array", "Group", "Without", "When", "Start", "Tells", "Advanced", "Plain", "Label", "Chart"}
+        known = {"Input", "Output", "Array", "Group", "Without", "When", "Start", "Tells", "Advanced", "Plain", "Label", "Chart", "Choose"}
         proxy.extend(element for element in layout if element.tag not in known)
         for element in layout.findall("Chart"):
             self.add_chart(root, proxy, element)
@@ -128,6 +136,25 @@ class Panel:
         hints = self.hints_of(proxy)
         hints.insert(0, ElementTree.Element("View", type="XYChartView", **about))
         hints.insert(1, ElementTree.Element("Representation", view="XYChartView", type=element.get("name"), **about))
+
+    def add_choose(self, root, proxy, element):
+        """A property that is an object: ParaView makes one of each class, and its panel shows that which is chosen."""
+        group = ElementTree.SubElement(root, "ProxyGroup", name="lamella_parts")
+        found = ElementTree.SubElement(proxy, "ProxyProperty", name=element.get("name"), command="Set" + element.get("name"))
+        listed = ElementTree.SubElement(found, "ProxyListDomain", name="proxy_list")
+        self.document(found, element.text.strip())
+        for one in element.findall("One"):
+            name = one.get("class")
+            part = Panel(self.declarations, {name: one}, self.chart, name)
+            shown = {setting for group_of in one.findall("Group") for setting in part.names(group_of)}
+            part.without = set(part.settings) - shown
+            made = ElementTree.SubElement(group, "Proxy", {"class": name, "name": name[3:], "label": words_of(name[3:]).title()})
+            ElementTree.SubElement(made, "Documentation").text = self.declarations.classes[name].brief
+            for setting in part.settings.values():
+                if setting.name in shown:
+                    part.add_setting(made, dataclasses.replace(setting, panel=""))  # no live pipeline: with the class's own default
+            part.add_groups(made)
+            ElementTree.SubElement(listed, "Proxy", group="lamella_parts", name=name[3:])
 
     def add_to_menu(self, proxy):
         menu = next((layout.get("menu") for layout in reversed(self.chain) if layout.get("menu")), None)

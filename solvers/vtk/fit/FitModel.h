@@ -14,15 +14,16 @@ class vtkImageData;
 namespace lamella
 {
 
-/// A phase's property that is looked for.
+/// A phase's property that is looked for, or its slope: how much it changes by where moisture changes by 1.
 struct FitUnknown
 {
   std::string property; ///< as the word of its setting
   std::string phase;
   std::optional<double> start;
+  bool slope = false;
 
-  [[nodiscard]] std::string name() const { return property + " of " + phase; }
-  [[nodiscard]] std::string key() const { return property + ":" + phase; }
+  [[nodiscard]] std::string name() const { return (slope ? "slope of " : "") + property + " of " + phase; }
+  [[nodiscard]] std::string key() const { return (slope ? "slope:" : "") + property + ":" + phase; }
 };
 
 /// A solver, what can be looked for with it, and what it gives.
@@ -37,6 +38,7 @@ public:
   /// The first is meant where none is named.
   [[nodiscard]] virtual std::vector<std::string> properties() const = 0;
   [[nodiscard]] virtual std::string form() const = 0; ///< of an unknown
+  /// No slopes: these are the fit's own.
   virtual void set(const FitUnknown& unknown, double value) = 0;
   /// Where a search begins that nobody told to.
   [[nodiscard]] virtual double startOf(const FitUnknown& unknown, double measured) const = 0;

@@ -11,13 +11,20 @@
 #include "core/Error.h"
 
 #include "vtkCommand.h"
-#include "vtkErrorCode.h"
 #include "vtkExecutive.h"
+#include "vtkExtentTranslator.h"
 #include "vtkImageData.h"
+#include "vtkInformation.h"
+#include "vtkInformationVector.h"
+#include "vtkNew.h"
 #include "vtkObjectFactory.h"
+#include "vtkStreamingDemandDrivenPipeline.h"
 #include "vtkStringArray.h"
+#include "vtkTable.h"
 
+#include <algorithm>
 #include <exception>
+#include <limits>
 
 namespace
 {
@@ -41,6 +48,54 @@ private:
   unsigned long tag_;
 };
 
+/// Does something when a block ends, however it ends.
+template <class Action>
+class AtEnd
+{
+public:
+  explicit AtEnd(const Action& action)
+    : action_(action)
+  {
+  }
+  ~AtEnd() { action_(); }
+  AtEnd(const AtEnd&) = delete;
+  AtEnd& operator=(const AtEnd&) = delete;
+
+private:
+  Action action_;
+};
+
+using Pipeline = vtkStreamingDemandDrivenPipeline;
+
+/// @throws InputError where this rank has a piece of it only
+vtkImageData* wholeInput(vtkInformation* input)
+{
+  auto* const image = vtkImageData::SafeDownCast(input->Get(vtkDataObject::DATA_OBJECT()));
+  const int* const extent = image->GetExtent();
+  const int* const whole = input->Has(Pipeline::WHOLE_EXTENT()) ? input->Get(Pipeline::WHOLE_EXTENT()) : extent;
+  for (int axis = 0; axis < 3; ++axis)
+    if (extent[2 * axis] > whole[2 * axis] || extent[2 * axis + 1] < whole[2 * axis + 1])
+      throw lamella::InputError("this rank has a piece of a sample, and a fit takes all of it",
+        "fit on one rank, or read the sample from a file");
+  return image;
+}
+
+/// Leaves what a rank was asked for, of an image that is there whole.
+void cropToPiece(vtkImageData* image, vtkInformation* request)
+{
+  const int pieces = request->Get(Pipeline::UPDATE_NUMBER_OF_PIECES());
+  if (pieces <= 1)
+    return;
+  vtkNew<vtkExtentTranslator> translator;
+  translator->SetWholeExtent(image->GetExtent());
+  translator->SetNumberOfPieces(pieces);
+  translator->SetPiece(request->Get(Pipeline::UPDATE_PIECE_NUMBER()));
+  if (translator->PieceToExtent() != 0)
+    image->Crop(translator->GetExtent());
+  else
+    image->Initialize();
+}
+
 } // namespace
 
 vtkStandardNewMacro(vtkMaterialFit);
@@ -48,11 +103,15 @@ vtkPrintSettingsMacro(vtkMaterialFit);
 vtkAddToListMacro(vtkMaterialFit, Unknown, Unknowns, const std::string&, Unknowns);
 vtkAddToListMacro(vtkMaterialFit, Measurement, Measurements, const std::string&, Measurements);
 
+vtkOutputTypesMacro(vtkMaterialFit, "vtkImageData", "vtkTable", "vtkTable");
+vtkGetOutputMacro(vtkMaterialFit, Image, vtkImageData, 0);
+vtkGetOutputMacro(vtkMaterialFit, Found, vtkTable, 1);
+vtkGetOutputMacro(vtkMaterialFit, Measured, vtkTable, 2);
+
 vtkMaterialFit::vtkMaterialFit()
   : Findings(std::make_unique<lamella::FoundFit>())
 {
-  this->SetNumberOfInputPorts(0);
-  this->SetNumberOfOutputPorts(0);
+  this->SetNumberOfOutputPorts(3);
 }
 
 vtkMaterialFit::~vtkMaterialFit() = default;
@@ -62,6 +121,7 @@ void vtkMaterialFit::SetSolver(vtkAlgorithm* solver)
   if (solver != this->Solver)
   {
     this->Solver = solver;
+    this->SolverTime = 0;
     this->Modified();
   }
 }
@@ -71,17 +131,12 @@ vtkAlgorithm* vtkMaterialFit::GetSolver()
   return this->Solver;
 }
 
-void vtkMaterialFit::AddSample(vtkImageData* image)
+vtkMTimeType vtkMaterialFit::GetMTime()
 {
-  this->Samples.emplace_back(image);
-  this->Modified();
-}
-
-vtkRemoveAllMacro(vtkMaterialFit, Samples, Samples);
-
-vtkImageData* vtkMaterialFit::GetOutput()
-{
-  return this->Output;
+  const vtkMTimeType solver = this->Solver != nullptr ? this->Solver->GetMTime() : 0;
+  if (solver != this->SolverTime)
+    this->SolverChanged = solver; // stays after the update: what shows another output asks later
+  return std::max(this->Superclass::GetMTime(), this->SolverChanged);
 }
 
 const lamella::FoundFit& vtkMaterialFit::GetFindings() const
@@ -96,31 +151,88 @@ void vtkMaterialFit::GetSettingsLeftOut(const std::string& className, vtkStringA
     words->InsertNextValue(word);
 }
 
-void vtkMaterialFit::Update()
+int vtkMaterialFit::FillInputPortInformation(int, vtkInformation* info)
 {
-  this->SetErrorCode(vtkErrorCode::NoError);
-  this->Output = nullptr;
-  (void)lamella::takeFailure();
-  if (lamella::attempt(this, [this] { this->Fit(); }) == lamella::Outcome::Failed)
-    this->SetErrorCode(vtkErrorCode::UserError);
+  info->Set(vtkAlgorithm::INPUT_REQUIRED_DATA_TYPE(), "vtkImageData");
+  info->Set(vtkAlgorithm::INPUT_IS_REPEATABLE(), 1);
+  return 1;
 }
 
-void vtkMaterialFit::Fit()
+int vtkMaterialFit::RequestUpdateExtent(vtkInformation*, vtkInformationVector** inputVector, vtkInformationVector*)
 {
-  if (this->Samples.empty())
+  for (int i = 0; i < inputVector[0]->GetNumberOfInformationObjects(); ++i)
+  {
+    vtkInformation* const input = inputVector[0]->GetInformationObject(i);
+    lamella::requestWhole(input);
+    if (input->Has(Pipeline::WHOLE_EXTENT()))
+      input->Set(Pipeline::UPDATE_EXTENT(), input->Get(Pipeline::WHOLE_EXTENT()), 6);
+  }
+  return 1;
+}
+
+int vtkMaterialFit::RequestData(
+  vtkInformation* request, vtkInformationVector** inputVector, vtkInformationVector* outputVector)
+{
+  (void)lamella::takeFailure(); // what others ended with before
+  return lamella::concluded(this,
+    lamella::attempt(this,
+      [&]
+      {
+        std::vector<vtkSmartPointer<vtkImageData>> samples;
+        for (int i = 0; i < inputVector[0]->GetNumberOfInformationObjects(); ++i)
+        {
+          samples.push_back(vtkSmartPointer<vtkImageData>::New()); // the solver's, whose pipeline ends at it
+          samples.back()->ShallowCopy(wholeInput(inputVector[0]->GetInformationObject(i)));
+        }
+        const AtEnd leave([this] { this->SolverTime = this->Solver != nullptr ? this->Solver->GetMTime() : 0; });
+        this->Fit(samples, this->GetImage());
+        if (lamella::isFirstPiece(outputVector))
+          lamella::fillTables(this->GetFound(), this->GetMeasured(), *this->Findings);
+        cropToPiece(this->GetImage(), lamella::requestedOutput(request, outputVector));
+      }),
+    outputVector);
+}
+
+void vtkMaterialFit::Fit(const std::vector<vtkSmartPointer<vtkImageData>>& samples, vtkImageData* output)
+{
+  if (samples.empty())
     throw lamella::ParameterError("there is no sample to fit", "give one at least");
+  const bool touched = this->Solver != nullptr && this->Solver->GetMTime() != this->SolverTime;
   const std::unique_ptr<lamella::FitModel> model = lamella::fitModelOf(this->Solver);
-  std::vector<lamella::FitUnknown> unknowns = lamella::fitUnknowns(*model, this->Unknowns);
-  std::vector<lamella::FitMeasured> measured = lamella::fitMeasured(this->Measurements, this->Samples.size());
-  const lamella::PhaseIds phases = lamella::phaseIds(
-    this->Samples.front(), this->Solver->GetInputArrayInformation(0), lamella::Team(nullptr, nullptr));
+  const std::vector<lamella::FitUnknown> unknowns = lamella::fitUnknowns(*model, this->Unknowns);
+  std::vector<lamella::FitMeasured> measured = lamella::fitMeasured(this->Measurements, samples.size());
+  if (!touched)
+    this->RequireKnown(unknowns);
+  vtkInformationVector* const arrays = this->GetInformation()->Get(INPUT_ARRAYS_TO_PROCESS());
+  for (int i = 0; arrays != nullptr && i < arrays->GetNumberOfInformationObjects(); ++i)
+    this->Solver->SetInputArrayToProcess(i, arrays->GetInformationObject(i));
+  const lamella::PhaseIds phases =
+    lamella::phaseIds(samples.front(), this->Solver->GetInputArrayInformation(0), lamella::Team(nullptr, nullptr));
+  const AtEnd forget(
+    [&]
+    {
+      for (const lamella::FitUnknown& u : unknowns)
+        if (!u.slope)
+          model->set(u, std::numeric_limits<double>::quiet_NaN());
+    });
   *this->Findings = lamella::fitSamples(
-    *model, std::move(unknowns), std::move(measured), this->Samples.size(), phases.known,
-    [this](std::size_t sample) { this->Solve(this->Samples[sample]); }, this->ComputeFields);
-  this->Output = model->output();
-  lamella::describe(this->Output, *this->Findings);
-  lamella::continueProvenance(this->Output, "fit",
+    *model, unknowns, std::move(measured), samples.size(), phases.known,
+    [&](std::size_t sample) { this->Solve(samples[sample]); }, this->ComputeFields);
+  lamella::describe(model->output(), *this->Findings);
+  lamella::continueProvenance(model->output(), "fit",
     { { "unknown", this->Unknowns }, { "measured", this->Measurements }, { "fields", this->ComputeFields } });
+  output->ShallowCopy(model->output());
+}
+
+/// Of a solver that is as the last fit left it. @throws ParameterError for what it lacks since it was looked for
+void vtkMaterialFit::RequireKnown(const std::vector<lamella::FitUnknown>& unknowns) const
+{
+  for (const lamella::FitUnknown& before : this->Findings->unknowns)
+    if (!before.slope &&
+      std::none_of(unknowns.begin(), unknowns.end(), [&](const auto& now) { return now.key() == before.key(); }))
+      throw lamella::ParameterError(
+        "the " + before.name() + " was looked for before, and the solver has no value of it any more",
+        "give the solver one, or look for it again");
 }
 
 /// @throws what the solver ended with; Cancelled

@@ -46,7 +46,7 @@ class FitResult(_arrays.FieldData):
         n = round(len(values) ** 0.5)
         return values.reshape(n, n)
 
-    values: dict[str, float] = told("What fits best, by name, in the unit of its property.", "fit_value", by="_by_unknown")
+    values: dict[str, float] = told("What fits best, by name, in the unit of its property; of a slope in that for each unit of moisture.", "fit_value", by="_by_unknown")
     low: dict[str, float] = told(
         "The interval that holds it 19 times out of 20, by name; ``interval`` says by what.", "fit_low", by="_by_unknown")
     high: dict[str, float] = told("Its other end, by name.", "fit_high", by="_by_unknown")
@@ -55,7 +55,7 @@ class FitResult(_arrays.FieldData):
     high_by_measurement: dict[str, float] = told("Its other end, by name.", "fit_high_by_measurement", by="_by_unknown")
     interval: str = told("What the interval holds, in words: errors of lattice and picture, too, where they are known.", "fit_interval")
     correlation: Array = told(
-        "Of the logarithms of what was looked for, a symmetric matrix in the order of ``values`` [1].", "fit_correlation", by="_matrix")
+        "Of what was looked for, a symmetric matrix in the order of ``values`` [1].", "fit_correlation", by="_matrix")
     fitted: dict[str, float] = told("What was measured, as it is at the fit, by name and in its unit.", "fit_fitted", by="_by_measurement")
     lattice_and_picture: dict[str, float] = told(
         "What lattice and picture leave of that, by name and in its unit; NaN where it is not known.", by="_by_measured")
@@ -134,8 +134,8 @@ def fit(of: str, image: Image, settings: Settings, also: Sequence[Image] = (), p
                     itself (sensitivities, uncertainties, fields, loads)
 
     ``unknown`` may be a dictionary, {"young:wall": start}, with None for a start that the search finds itself, and
-    ``measured`` one too, {"E_x": (value, half of its interval)}, of a second sample {"2/E_x": ...}; or texts as the command
-    takes them.
+    ``measured`` one too, {"E_x": (value, half of its interval)}, of a second sample {"2/E_x": ...}, for slopes with the
+    moisture {"E_x@0.12": ...}; or texts as the command takes them.
     """
     prepare, result = choose(_SOLVERS, of, "of")
     _texts(settings, "unknown", "{PROPERTY:PHASE: start}", _unknown)
@@ -147,7 +147,7 @@ def fit(of: str, image: Image, settings: Settings, also: Sequence[Image] = (), p
     algorithm = prepare(samples, **solver)
     search.SetSolver(algorithm)
     for sample in samples:
-        search.AddSample(sample)
+        search.AddInputDataObject(sample)
     settings.give(search)
     run(search, progress)
     return FitResult(result(algorithm))
