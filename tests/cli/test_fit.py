@@ -25,7 +25,15 @@ class Fit(Case):
         self.assertTrue(wall["low"] < wall["low_by_measurement"] < 0.41 < wall["high_by_measurement"] < wall["high"])
         self.assertLessEqual(found["solves"], 10)
         self.assertEqual((found["freedom"], found["chance"]), (0, None))
-        self.assertIn("temperature_y", self.works("info", "fields.vti").out)
+        # its fields, a file a direction, as diffusion writes them with what was found
+        self.assertEqual(found["output"], ["fields_x.vti", "fields_y.vti"])
+        self.works("diffusion", name, "--conductivity", f"lumen=0.026,wall={wall['value']!r}", "--sensitivity", "-o", "wood.vti")
+        for axis in "xy":
+            fit, heat = (self.works("info", f"{stem}_{axis}.vti", "--json").json() for stem in ("fields", "wood"))
+            rows = [{array["name"]: (array["unit"], array["description"]) for array in one["point_arrays"]} for one in (fit, heat)]
+            self.assertEqual(*rows)
+            tau = [self.works("flux-map", f"{stem}_{axis}.vti", "--json").json()["tortuosity"][axis] for stem in ("fields", "wood")]
+            self.assertAlmostEqual(*tau, places=6)
         # two directions that fit, and two that do not
         both = self.works(*words, "--measured", f"x={truth['x']!r}±0.003,y={truth['y']!r}+-0.002", "--json").json()
         self.assertGreater(both["chance"], 0.9)
@@ -44,6 +52,77 @@ class Fit(Case):
         for phase, value in (("wall", 0.5), ("lumen", 0.05)):
             self.assertAlmostEqual(found["unknown"]["conductivity:" + phase]["value"] / value, 1, delta=0.01)
         self.assertEqual(list(found["measured"]), ["y", "2/x"])
+
+    def test_moistures(self):
+        """A wall whose conductivity rises with moisture, of two samples; a modulus that falls."""
+        names = self.tissue(), self.tissue("dense.vti", "5")
+        value, slope = 0.4, 0.6
+        words, truth = [], []
+        for which, name, moisture in (("", names[0], 0.0), ("", names[0], 0.12), ("2/", names[1], 0.2)):
+            truth.append(self.effective(name, "--conductivity", f"lumen=0.026,wall={value + slope * moisture!r}")["y"])
+            words += ["--measured", f"{which}y@{moisture!r}={truth[-1]!r}±{0.005 * truth[-1]!r}"]
+        fit = ["fit", "diffusion", names[0], "--also", names[1], "--conductivity", "lumen=0.026", *words, "--direction", "y"]
+        found = self.works(*fit, "--unknown", "wall", "--unknown", "slope:wall", "--json", "-o", "wet.vti").json()
+        for key, known in (("conductivity:wall", value), ("slope:conductivity:wall", slope)):
+            one = found["unknown"][key]
+            self.assertAlmostEqual(one["value"] / known, 1, delta=1e-4)  # a search ends within a twentieth of a deviation
+            self.assertTrue(one["low"] < one["low_by_measurement"] < known < one["high_by_measurement"] < one["high"])
+        self.assertLess(found["correlation"][0][1], -0.5)
+        self.assertEqual(found["freedom"], 1)
+        self.assertEqual(list(found["measured"]), ["y@0.0", "y@0.12", "2/y@0.2"])
+        made = [self.works("stiffness", names[0], "--young", f"wall={young!r}", "--no-error-estimate", "--json").json()["constants"]["E_x"]["value"]
+                for young in (8e9, 5.6e9)]
+        found = self.works("fit", "stiffness", names[0], "--unknown", "young:wall", "--unknown", "slope:young:wall", "--no-error-estimate",
+                           "--measured", f"E_x@0={made[0]!r}±{0.01 * made[0]!r},E_x@12={made[1]!r}±{0.01 * made[1]!r}", "--json").json()["unknown"]
+        self.assertAlmostEqual(found["young:wall"]["value"] / 8e9, 1, delta=1e-4)
+        self.assertAlmostEqual(found["slope:young:wall"]["value"] / -0.2e9, 1, delta=1e-3)  # for each per cent
+
+    def test_scene_of_moistures(self):
+        # as the command, to the last digit; its field of one direction goes on
+        name = self.tissue()
+        words = ["--conductivity", "lumen=0.026", "--unknown", "wall", "--unknown", "slope:wall", "--measured", "y@0=0.112±0.003,y@0.12=0.127±0.003"]
+        told = self.works("fit", "diffusion", name, *words, "--json", "-o", "f.vti").json()["unknown"]
+        tau = self.works("flux-map", "f_y.vti", "--json").json()["tortuosity"]["y"]
+        scene = f"""
+[sample]
+file = "{name}"
+
+[fit]
+solver = "diffusion"
+conductivity = {{ lumen = 0.026 }}
+unknown = ["wall", "slope:wall"]
+measured = {{ "y@0" = "0.112±0.003", "y@0.12" = "0.127±0.003" }}
+
+[flux-map]
+of = "fit:y"
+
+[[picture]]
+name = "wall"
+of = "fit:x"
+array = "temperature"
+
+[measure]
+wall = "fit.unknown.conductivity:wall.value"
+slope = "fit.unknown.slope:conductivity:wall.high"
+moist = "fit.measured.y@0.12.fitted"
+tau = "flux-map.tortuosity.y"
+"""
+        self.write("moist.toml", scene.encode())
+        self.works("run", "moist.toml", "--quiet")
+        with open(self.path("moist.results/table.csv"), encoding="utf-8", newline="") as file:
+            row = next(csv.DictReader(file))
+        self.assertEqual([float(row[key]) for key in ("wall", "slope", "tau")],
+                         [told["conductivity:wall"]["value"], told["slope:conductivity:wall"]["high"], tau])
+        self.assertAlmostEqual(float(row["moist"]), 0.127, delta=1e-6)
+        self.assertEqual(len(glob.glob(self.path("moist.results/samples/*/wall.png"))), 1)
+        for old, new, message, hint in (
+            ('"fit:y"', '"fit"', "[flux-map] takes one field, and [fit] gives one for each direction", 'of = "fit:x"'),
+            ('"fit:y"', '"fit:u"', "'fit:u' is no direction", 'of = "fit:x"'),
+            ("[fit]", '[fit]\ndirection = "y"', "[fit] has one direction only, and no 'fit:x'", 'of = "fit"'),
+            ('"temperature"', '"temprature"', "'temprature', which fit does not give", "did you mean 'temperature'?"),
+        ):
+            self.write("moist.toml", scene.replace(old, new).encode())
+            self.fails(2, message, hint, "run", "moist.toml", "--dry-run")
 
     def test_moduli(self):
         name = self.tissue()
@@ -170,6 +249,12 @@ high = "fit.unknown.young:wall.high"
         self.fails(2, "'-1' is not a number", "positive", *words, "--unknown", "wall=-1", "--measured", "x=0.1±0.01")
         self.fails(2, "'yuong' is nothing that can be looked for", "did you mean 'young'?", "fit", "stiffness", name, "--unknown", "yuong:wall", "--measured", "E_x=1e9±1e8")
         self.fails(2, "measured has x twice", "mean of both", *words, "--unknown", "wall", "--measured", "x=0.1±0.01,x=0.12±0.01")
+        moist = [*words, "--unknown", "wall", "--unknown", "slope:wall", "--measured"]
+        self.fails(2, "all was measured at 0.12, and one moisture does not tell the slope", "another moisture", *moist, "x@0.12=0.1±0.01,y@0.12=0.1±0.01")
+        self.fails(2, "measured y does not say at which moisture", "y@0.12=", *moist, "x@0.12=0.1±0.01,y=0.1±0.01")
+        self.fails(2, "nothing that is looked for changes with it", "slope:conductivity:wall", *words, "--unknown", "wall", "--measured", "x@0.12=0.1±0.01")
+        self.fails(2, "together with the value", "look for conductivity:wall", *words, "--unknown", "slope:wall", "--measured", "x@0.12=0.1±0.01")
+        self.fails(2, "'dry' is not a number", "QUANTITY@MOISTURE", *moist, "x@dry=0.1±0.01")
         self.fails(2, "twice", "once", *words, "--unknown", "wall", "--unknown", "wall", "--measured", "x=0.1±0.01")
         self.fails(2, "which command?", "diffusion", "fit")
 

@@ -11,20 +11,24 @@
 
 #include "FitModel.h"
 #include "SampleFit.h"
+#include "SteadyFindings.h"
 #include "core/Clock.h"
+#include "lattice/AxisNames.h"
 #include "vtkLatticeConversion.h"
 #include "vtkMaterialFit.h"
 #include "vtkSteadyDiffusion.h"
 #include "vtkVoxelStiffness.h"
 
+#include <vtkDataArray.h>
 #include <vtkImageData.h>
 #include <vtkNew.h>
+#include <vtkPointData.h>
+#include <vtkSmartPointer.h>
 
 #include <fmt/format.h>
 
 #include <cmath>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -77,9 +81,7 @@ public:
   {
     fit_->SetSolver(solver);
     options.fit.give(fit_);
-    if (!options.output.empty())
-      file_.emplace(options.output, options.common.overwrite);
-    fit_->SetComputeFields(file_.has_value());
+    fit_->SetComputeFields(!options.output.empty());
   }
 
   void run()
@@ -87,12 +89,14 @@ public:
     load();
     runFilter(session_, fit_, "fit");
     const io::Provenance record = recordRun(session_, commandLine_, options_.picture.file, provenance_);
-    if (file_)
+    for (std::size_t i = 0; i < files_.size(); ++i)
     {
-      setProvenance(fit_->GetImage(), io::toJson(record));
-      writeGrid(fit_->GetImage(), *file_);
-      file_->commit();
+      const vtkSmartPointer<vtkImageData> image = along(files_.size() == 1 ? -1 : static_cast<int>(i));
+      setProvenance(image, io::toJson(record));
+      writeGrid(image, files_[i]);
     }
+    for (OutputFile& file : files_)
+      file.commit();
     printReport(session_, options_.common, report(fit_->GetFindings()), record, [](const Json& j) { return words(j); });
   }
 
@@ -108,7 +112,10 @@ private:
       Sample sample = loadSample(options_.picture);
       tellDoubts(session_, sample);
       if (file == files.front())
+      {
         provenance_ = sample.provenance;
+        open(sample.image.lattice.dimension);
+      }
       const std::vector<std::string> names = sample.image.phases.names();
       phases.insert(phases.end(), names.begin(), names.end());
       fit_->AddInputDataObject(imageOf(sample));
@@ -116,6 +123,49 @@ private:
     options_.picture.file = files.front();
     options_.solver.checkNames(phases);
     requireNames("--conductivity", parseConductivities(options_.conductivity), phases);
+  }
+
+  /// One file, or as lamella diffusion one a direction.
+  void open(int dimension)
+  {
+    if (options_.output.empty())
+      return;
+    auto* const diffusion = vtkSteadyDiffusion::SafeDownCast(fit_->GetSolver());
+    const bool all = diffusion != nullptr && diffusion->GetDirection() == vtkSteadyDiffusion::ALL;
+    for (int axis = 0; axis < (all ? dimension : 1); ++axis)
+    {
+      const std::string end = all ? std::string("_") + axisNames[static_cast<std::size_t>(axis)] : "";
+      written_.push_back(withSuffix(options_.output, end).string());
+      files_.emplace_back(written_.back(), options_.common.overwrite);
+    }
+  }
+
+  /// What was found, with the fields of one direction of a diffusion along all; below 0: with all that there are.
+  [[nodiscard]] vtkSmartPointer<vtkImageData> along(int axis) const
+  {
+    auto image = vtkSmartPointer<vtkImageData>::New();
+    image->ShallowCopy(fit_->GetImage());
+    if (axis < 0)
+      return image;
+    vtkPointData* const points = image->GetPointData();
+    for (const char* const name : { "temperature", "concentration", "flux" })
+      for (std::size_t other = 0; other < axisNames.size(); ++other)
+      {
+        const std::string full = std::string(name) + "_" + axisNames[other];
+        vtkDataArray* const array = points->GetArray(full.c_str());
+        if (array != nullptr && static_cast<int>(other) == axis)
+        {
+          const auto alone = vtkSmartPointer<vtkDataArray>::Take(array->NewInstance());
+          alone->ShallowCopy(array);
+          alone->SetName(name);
+          const auto [unit, text, creator] = description(array);
+          lamella::describe(alone, unit, text, creator);
+          points->AddArray(alone);
+        }
+        points->RemoveArray(full.c_str());
+      }
+    describe(image, vtkSteadyDiffusion::SafeDownCast(fit_->GetSolver())->GetFindings().along(axis));
+    return image;
   }
 
   [[nodiscard]] Json report(const FoundFit& found) const
@@ -153,7 +203,7 @@ private:
     json["freedom"] = found.best.freedom;
     json["chance"] = found.best.freedom > 0 ? Json(found.best.chance) : Json(nullptr);
     json["solves"] = found.solves;
-    json["output"] = options_.output.empty() ? Json(nullptr) : Json(options_.output);
+    json["output"] = written_;
     json["seconds"] = secondsSince(start_);
     return json;
   }
@@ -189,9 +239,7 @@ private:
           text += fmt::format(
             "  unknowns {} and {} are told nearly together: correlation {:.2f}\n", a + 1, b + 1, c.get<double>());
     text += fmt::format("\n  {} solves, {:.2f} s\n", json["solves"].get<int>(), json["seconds"].get<double>());
-    return text +
-      wroteText(
-        json["output"].is_null() ? std::vector<std::string>{} : std::vector{ json["output"].get<std::string>() });
+    return text + wroteText(json["output"].get<std::vector<std::string>>());
   }
 
   Session& session_;
@@ -200,19 +248,20 @@ private:
   const std::string& commandLine_;
   Clock::time_point start_ = Clock::now();
   vtkNew<vtkMaterialFit> fit_;
-  std::optional<OutputFile> file_;
+  std::vector<OutputFile> files_;
+  std::vector<std::string> written_; ///< their names
   std::string provenance_;
 };
 
-/// @param unknown and @param measured how they are written
-void addFitOptions(
-  CLI::App& app, FitOptions& o, const std::string& className, const char* unknown, const char* measured)
+/// @param unknown and @param measured how they are written @param fields what is written
+void addFitOptions(CLI::App& app, FitOptions& o, const std::string& className, const char* unknown,
+  const char* measured, const char* fields)
 {
   o.fit.declare(app, "vtkMaterialFit", { "fields" });
   app.get_option("--unknown")->type_name(unknown)->required();
   app.get_option("--measured")->type_name(measured)->required();
   addOption(app, "Fit", "--also", o.also, "Another sample of the same materials, with measurements of its own", "FILE");
-  addOutputOptions(app, o.output, o.common, "Write the first sample with its fields at the fit as .vti");
+  addOutputOptions(app, o.output, o.common, fields);
   addReportOptions(app, o.common);
   std::vector<std::string> leave = settingsLeftOut(className);
   leave.insert(leave.end(),
@@ -239,12 +288,13 @@ Command fitCommand(CLI::App& root)
   addOption(*byDiffusion, "Materials", "--conductivity", diffusion->conductivity,
     "Conductivity of a phase that is known; ALONG:ACROSS where it differs along the walls",
     "NAME=VALUE|NAME=ALONG:ACROSS");
-  addFitOptions(*byDiffusion, *diffusion, "vtkSteadyDiffusion", "[slope:]PHASE[=START]", "x|y|z[@MOISTURE]=VALUE±HALF");
+  addFitOptions(*byDiffusion, *diffusion, "vtkSteadyDiffusion", "[slope:]PHASE[=START]", "x|y|z[@MOISTURE]=VALUE±HALF",
+    "Write the first sample with its fields at the fit as .vti; several directions: FILE_x.vti, FILE_y.vti");
   auto stiffness = std::make_shared<FitOptions>();
   CLI::App* const byStiffness = fit->add_subcommand("stiffness", "Moduli of phases from effective ones");
   addPictureOptions(*byStiffness, stiffness->picture);
   addFitOptions(*byStiffness, *stiffness, "vtkVoxelStiffness", "[slope:]PROPERTY:PHASE[=START]",
-    "E_x|G_xy|…[@MOISTURE]=VALUE±HALF");
+    "E_x|G_xy|…[@MOISTURE]=VALUE±HALF", "Write the first sample at the fit as .vti");
   return { fit,
     [=](Session& session, const std::string& line)
     {

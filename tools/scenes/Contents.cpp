@@ -197,6 +197,7 @@ std::vector<std::string> arraysGiven(const std::string& command, const std::stri
 {
   static const std::map<std::string, const char*> all{
     { "diffusion:output", "phase temperature concentration flux" },
+    { "fit:output", "phase temperature concentration flux" },
     { "flux-map:output", "phase temperature concentration flux flux_magnitude" },
     { "transient:output", "phase temperature concentration flux" },
     { "equilibrium:output", "phase displacement stress strain_energy" },

@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <set>
 
 namespace lamella::cli
 {
@@ -138,11 +139,19 @@ Cost fit(const std::vector<std::string>& words, const Size& s)
   search.emplace_back("--no-error-estimate");
   const Cost one = solver(search);
   Cost cost = solver(words);
-  const auto samples = 1.0 +
-    static_cast<double>(
-      std::ranges::count_if(words, [](const std::string& word) { return word.starts_with("--also="); }));
-  cost.work = samples * (cost.work + solves * one.work);
-  cost.seconds = samples * (cost.seconds + solves * one.seconds);
+  std::set<std::string> samples; // each at each of its moistures: "2/" and "0.12" of "2/y@0.12"
+  for (const std::string& word : words)
+    if (const std::string before = "--measured="; word.starts_with(before))
+    {
+      const std::string name = word.substr(before.size(), word.find('=', before.size()) - before.size());
+      const std::size_t slash = name.find('/');
+      const std::size_t at = name.find('@');
+      samples.insert(
+        (slash == std::string::npos ? "1" : name.substr(0, slash)) + (at == std::string::npos ? "" : name.substr(at)));
+    }
+  const auto times = static_cast<double>(std::max<std::size_t>(samples.size(), 1));
+  cost.work = times * (cost.work + solves * one.work);
+  cost.seconds = times * (cost.seconds + solves * one.seconds);
   return cost;
 }
 

@@ -226,10 +226,27 @@ std::string measureUnit(const Scene& scene, const std::string& path)
   return stage == nullptr ? "" : reportUnit(stage->command, path.substr(stage->name.size() + 1));
 }
 
+/// Whether a path leads along these keys; one that stands for any name may hold dots: "y@0.12".
+bool leads(const std::vector<ReportKeys>& keys, const std::string& path)
+{
+  for (std::size_t end = path.find('.');; end = path.find('.', end + 1))
+  {
+    const bool last = end == std::string::npos;
+    const ReportKeys* const key = keyOf(keys, path.substr(0, end));
+    if (key != nullptr &&
+      (key->below.empty() || (last ? path.find('.') == end : leads(key->below, path.substr(end + 1)))))
+      return true;
+    if (last)
+      return false;
+  }
+}
+
 /// Whether a path is one of these keys. @throws ParameterError
 void checkAhead(const SceneMeasure& measure, const SceneStage& stage, const std::vector<ReportKeys>& keys)
 {
   const std::string rest = measure.path.substr(stage.name.size() + 1);
+  if (leads(keys, rest))
+    return;
   const std::vector<ReportKeys>* level = &keys;
   for (const std::string& element : split(rest, '.'))
   {
@@ -282,12 +299,12 @@ void checkMeasures(const Scene& scene, const Json& stages)
     const auto [report, rest] = stageOf(stages, measure.path);
     if (report == nullptr)
       continue;
-    const Json* at = report;
-    std::string done;
-    for (const std::string& element : split(rest, '.'))
+    const Json* const found = walk(*report, rest);
+    const Json* at = found == nullptr ? report : found;
+    for (const std::string& element : found == nullptr ? split(rest, '.') : std::vector<std::string>{})
     {
       const Json* const next = child(*at, element);
-      if (next == nullptr && walk(*report, rest) == nullptr && !at->is_null())
+      if (next == nullptr && !at->is_null())
       {
         const std::vector<std::string> keys = keysAt(*at);
         noSuchKey(measure, measure.path.substr(0, measure.path.size() - rest.size() - 1), rest, element, keys);

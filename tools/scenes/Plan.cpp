@@ -245,11 +245,11 @@ private:
     return from.part.empty() ? name.string() : name.stem().string() + "_" + from.part + name.extension().string();
   }
 
-  /// A diffusion along several directions gives a field for each.
+  /// A diffusion along several directions gives a field for each, and so does a fit by one.
   void requireDirection(std::size_t taker, const PortSource& from) const
   {
     const SceneStage& giver = scene_.stages[from.stage];
-    if (giver.command != "diffusion" || from.port->option != std::string("output"))
+    if ((giver.words != "diffusion" && giver.words != "fit diffusion") || from.port->option != std::string("output"))
       return;
     std::string direction = "all";
     for (const SceneOption& option : giver.options)
