@@ -1,6 +1,6 @@
 """Do the intervals of `lamella fit` hold? Tissues of many seeds, walls of known conductivity or moduli, effective values measured with normal errors of 2 %.
 
-fit.py lamella=PROGRAM [cases=100] [seed=2026] [part=diffusion|stiffness]
+fit.py lamella=PROGRAM [cases=100] [seed=2026] [part=diffusion|stiffness|moisture|moist-stiffness]
 """
 
 import json
@@ -40,7 +40,7 @@ def rows_of(fitted, truths):
     rows = []
     for name, truth in truths.items():
         found = fitted["unknown"][name]
-        rows.append({"held": found["low"] <= truth <= found["high"], "width": found["high"] / found["value"] - 1, "off": abs(found["value"] / truth - 1), "solves": fitted["solves"]})
+        rows.append({"held": found["low"] <= truth <= found["high"], "width": abs((found["high"] - found["value"]) / found["value"]), "off": abs(found["value"] / truth - 1), "solves": fitted["solves"]})
     return rows
 
 
@@ -94,13 +94,67 @@ def stiffness(program, cases, rng, work):
     print(f"{refused} of {cases} refused: the measurements did not tell both")
 
 
+def tissue(program, rng, sample):
+    answer(program, "generate", "softwood", "--size", f"{rng.randint(70, 110)},{rng.randint(70, 110)}", "--solid-fraction", f"{rng.uniform(0.35, 0.6):.3f}", "--seed", rng.randint(1, 10**6),
+           "-o", sample, "--overwrite")
+
+
+def moisture(program, cases, rng, work):
+    """A wall that conducts better the moister it is; one sample at three moistures."""
+    both = {"conductivity:wall": [], "slope:conductivity:wall": []}
+    for _ in range(cases):
+        sample = work / "tissue.vti"
+        tissue(program, rng, sample)
+        truths = {"conductivity:wall": 10 ** rng.uniform(-1, 0.5)}
+        truths["slope:conductivity:wall"] = truths["conductivity:wall"] * rng.uniform(1, 5)
+        axis, dry = rng.choice("xy"), rng.choice((0, 0.05))
+        words = []
+        for at in (dry, dry + 0.1, dry + 0.2):
+            wall = truths["conductivity:wall"] + truths["slope:conductivity:wall"] * at
+            truth = answer(program, "diffusion", sample, "--conductivity", f"lumen=0.026,wall={wall!r}", "--direction", axis, "--no-error-estimate")["effective"][axis]
+            value, half = noisy(rng, truth)
+            words += ["--measured", f"{axis}@{at!r}={value!r}±{half!r}"]
+        fitted = answer(program, "fit", "diffusion", sample, "--conductivity", "lumen=0.026", "--unknown", "wall", "--unknown", "slope:wall", *words, "--direction", axis, "--no-error-estimate")
+        for name, truth in truths.items():
+            both[name] += rows_of(fitted, {name: truth})
+    for name, rows in both.items():
+        tally(rows, f"{name}, one sample at three moistures")
+
+
+def moist_stiffness(program, cases, rng, work):
+    """A modulus that falls with moisture; two samples, each at its own."""
+    both = {"young:wall": [], "slope:young:wall": []}
+    done = 0
+    while done < cases:
+        samples = work / "first.vti", work / "second.vti"
+        truths = {"young:wall": 8e9 * 2 ** rng.uniform(-1, 1)}
+        truths["slope:young:wall"] = -truths["young:wall"] * rng.uniform(1, 3)
+        words = []
+        for which, sample in enumerate(samples):
+            tissue(program, rng, sample)
+            at = (0.03, 0.18)[which]
+            young = truths["young:wall"] + truths["slope:young:wall"] * at
+            found = answer(program, "stiffness", sample, "--young", f"wall={young!r}", "--no-error-estimate")["constants"]["E_x"]["value"] or 0
+            if found < 1e-3 * young:
+                break  # a piece that does not carry across its seam
+            value, half = noisy(rng, found)
+            words += ["--measured", f"{which + 1}/E_x@{at!r}={value!r}±{half!r}"]
+        else:
+            done += 1
+            fitted = answer(program, "fit", "stiffness", samples[0], "--also", samples[1], "--unknown", "young:wall", "--unknown", "slope:young:wall", *words, "--no-error-estimate")
+            for name, truth in truths.items():
+                both[name] += rows_of(fitted, {name: truth})
+    for name, rows in both.items():
+        tally(rows, f"{name}, two samples, each at its own moisture")
+
+
 def main():
     keys = dict(word.split("=", 1) for word in sys.argv[1:])
     rng = random.Random(int(keys.get("seed", 2026)))
     cases = int(keys.get("cases", 100))
     with tempfile.TemporaryDirectory() as folder:
         for part in keys.get("part", "diffusion,stiffness").split(","):
-            {"diffusion": diffusion, "stiffness": stiffness}[part](keys["lamella"], cases, rng, pathlib.Path(folder))
+            {"diffusion": diffusion, "stiffness": stiffness, "moisture": moisture, "moist-stiffness": moist_stiffness}[part](keys["lamella"], cases, rng, pathlib.Path(folder))
 
 
 if __name__ == "__main__":
