@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <optional>
 #include <tuple>
 #include <utility>
@@ -363,7 +364,7 @@ FitResult fit(const std::vector<FitParameter>& parameters, const std::vector<Fit
   return Fitting(parameters, measurements, model, options).run();
 }
 
-void widen(FitResult& result, const std::vector<FitMeasurement>& measurements)
+void widen(FitResult& result, const std::vector<FitMeasurement>& measurements, const std::vector<FitError>& errors)
 {
   const auto m = static_cast<Eigen::Index>(result.parameters.size());
   const auto n = static_cast<Eigen::Index>(measurements.size());
@@ -373,7 +374,22 @@ void widen(FitResult& result, const std::vector<FitMeasurement>& measurements)
     for (Eigen::Index i = 0; i < m; ++i)
       jacobian(j, i) = result.derivatives[static_cast<std::size_t>(j * m + i)] *
         result.parameters[static_cast<std::size_t>(i)].value / sigma(j);
-  const MatrixXd covariance = (jacobian.transpose() * jacobian).inverse();
+  MatrixXd covariance = (jacobian.transpose() * jacobian).inverse();
+  if (!errors.empty())
+  {
+    const MatrixXd estimate = covariance * jacobian.transpose();
+    std::map<int, VectorXd> causes; // in standard deviations of the measurements
+    for (Eigen::Index j = 0; j < n; ++j)
+    {
+      const FitError& error = errors[static_cast<std::size_t>(j)];
+      causes.try_emplace(error.cause, VectorXd::Zero(n)).first->second(j) = error.halfWidth / coverage95 / sigma(j);
+    }
+    for (const auto& [cause, together] : causes)
+    {
+      const VectorXd moved = estimate * together;
+      covariance += moved * moved.transpose();
+    }
+  }
   result.covariance.assign(covariance.data(), covariance.data() + m * m);
   for (Eigen::Index i = 0; i < m; ++i)
   {

@@ -82,7 +82,18 @@ struct FitResult
   const std::vector<FitMeasurement>& measurements,
   const std::function<FitEvaluation(std::span<const double> parameters)>& model, const FitOptions& options = {});
 
-/// Intervals once more, with measurements that are as uncertain as this.
-void widen(FitResult& result, const std::vector<FitMeasurement>& measurements);
+/// What else a value of the model may be off by: half of the interval that holds it 19 times out of 20. Errors of one
+/// cause go together: all are up or down at once; others are independent.
+struct FitError
+{
+  double halfWidth = 0;
+  int cause = 0;
+};
+
+/// Intervals of the same fit once more, where the model's values are uncertain as well: the covariance that
+/// measurements and errors leave of an estimate that weighs measurements by their own uncertainty.
+/// @param errors one a measurement
+void widen(
+  FitResult& result, const std::vector<FitMeasurement>& measurements, const std::vector<FitError>& errors = {});
 
 } // namespace lamella::statistics

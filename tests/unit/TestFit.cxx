@@ -153,16 +153,53 @@ TEST(Fit, SaysWhatItCannotTell)
   EXPECT_THROW((void)fit({ { "wall", 1 } }, { { "x", 2, 0.1 } }, floor, o), Cancelled);
 }
 
-TEST(Fit, WiderMeasurementsWidenIntervals)
+// Two measurements of one number, one four times as certain: the mean weighs them 16 to 1.
+TEST(Fit, ErrorsOfTheModelWidenIntervals)
 {
-  const std::vector<FitMeasurement> measured{ { "x", 2, 0.02 } };
-  FitResult r = fit({ { "wall", 1 } }, measured,
+  const std::vector<FitMeasurement> measured{ { "x", 2, 0.02 }, { "y", 2, 0.08 } };
+  const FitResult r = fit({ { "wall", 1 } }, measured,
     [](std::span<const double> k) {
-      return FitEvaluation{ { k[0] }, { 1 } };
+      return FitEvaluation{ { k[0], k[0] }, { 1, 1 } };
     });
-  EXPECT_NEAR(r.parameters[0].high, 2.02, 1e-3);
-  widen(r, { { "x", 2, 0.2 } });
-  EXPECT_NEAR(r.parameters[0].high, 2 * std::exp(0.1), 1e-4);
+  const double own = 0.02 / std::sqrt(1 + 1 / 16.0);
+  const auto half = [&](const std::vector<FitError>& errors)
+  {
+    FitResult wider = r;
+    widen(wider, measured, errors);
+    EXPECT_EQ(wider.parameters[0].value, r.parameters[0].value);
+    return 2 * std::log(wider.parameters[0].high / 2);
+  };
+  constexpr double exact = 1e-6; // of the search, which meets 2 that well
+  EXPECT_NEAR(half({}), own, exact);
+  EXPECT_NEAR(half({ { 0.3, 0 }, { 0.2, 1 } }), std::hypot(own, 16 / 17.0 * 0.3, 1 / 17.0 * 0.2), exact);
+  EXPECT_NEAR(half({ { 0.3, 0 }, { 0.2, 0 } }), std::hypot(own, 16 / 17.0 * 0.3 + 1 / 17.0 * 0.2), exact);
+}
+
+// What is off the same way everywhere does not fade with the number of measurements, and a difference does not have it.
+TEST(Fit, ErrorsOfOneCauseDoNotAverageOut)
+{
+  std::vector<FitMeasurement> measured;
+  std::vector<FitError> errors;
+  for (int i = 0; i < 40; ++i)
+  {
+    measured.push_back({ "x", i % 2 == 0 ? 2.0 : 3.0, 1e-4 });
+    errors.push_back({ 0.1 * measured.back().value, 0 });
+  }
+  FitResult r = fit({ { "dry", 1 }, { "moist", 1 } }, measured,
+    [](std::span<const double> k)
+    {
+      FitEvaluation e;
+      for (std::size_t i = 0; i < 40; ++i)
+      {
+        e.values.push_back(k[i % 2]);
+        e.derivatives.insert(e.derivatives.end(), { i % 2 == 0 ? 1.0 : 0.0, i % 2 == 0 ? 0.0 : 1.0 });
+      }
+      return e;
+    });
+  widen(r, measured, errors);
+  // derivatives are those from where the last step began: within a deviation of the measurements, 1e-5 of the values
+  EXPECT_NEAR(std::log(r.parameters[0].high / 2), 0.1, 1e-6);
+  EXPECT_NEAR(r.covariance[1] / r.covariance[0], 1, 1e-5); // their ratio is told by the measurements
 }
 
 } // namespace

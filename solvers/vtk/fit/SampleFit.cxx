@@ -70,7 +70,7 @@ public:
     found_.best = statistics::fit(parameters(), measurements, [&](std::span<const double> p) { return evaluate(p); });
     tell();
     found_.byMeasurement = found_.values;
-    conclude(std::move(measurements), fields);
+    conclude(measurements, fields);
   }
 
 private:
@@ -216,7 +216,7 @@ private:
   }
 
   /// Solves there once more, with the error of lattice and picture.
-  void conclude(std::vector<FitMeasurement> measurements, bool fields)
+  void conclude(const std::vector<FitMeasurement>& measurements, bool fields)
   {
     std::vector<double> values;
     for (const auto& p : found_.best.parameters)
@@ -229,18 +229,31 @@ private:
       solve(cases_[c]);
       for (std::size_t j = 0; j < measurements.size(); ++j)
         if (Case{ found_.measured[j].sample, found_.measured[j].moisture } == cases_[c])
-        {
           found_.errors[j] = model_.error(found_.measured[j].quantity);
-          measurements[j].halfWidth = std::hypot(measurements[j].halfWidth, found_.errors[j]);
-        }
     }
     found_.withLattice =
       std::all_of(found_.errors.begin(), found_.errors.end(), [](double error) { return std::isfinite(error); });
     if (found_.withLattice)
     {
-      widen(found_.best, measurements);
+      widen(found_.best, measurements, errors());
       tell();
     }
+  }
+
+  /// A picture errs the same way at all moistures: its quantities are causes of their own.
+  [[nodiscard]] std::vector<statistics::FitError> errors() const
+  {
+    std::vector<std::pair<std::size_t, std::string>> causes;
+    std::vector<statistics::FitError> all;
+    for (std::size_t j = 0; j < found_.measured.size(); ++j)
+    {
+      const std::pair cause{ found_.measured[j].sample, found_.measured[j].quantity };
+      const auto place = std::find(causes.begin(), causes.end(), cause);
+      all.push_back({ std::abs(found_.errors[j]), static_cast<int>(place - causes.begin()) });
+      if (place == causes.end())
+        causes.push_back(cause);
+    }
+    return all;
   }
 
   /// What the search found as values and slopes, with their covariance.
