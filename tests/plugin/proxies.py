@@ -7,7 +7,7 @@ import unittest
 import lamella
 import numpy as np
 import paraview.simple as pv
-from paraview import servermanager
+from paraview import servermanager, smstate
 
 lamella.load_plugin()
 
@@ -147,6 +147,9 @@ class Proxies(unittest.TestCase):
         for row, name in enumerate(("young:wall", "slope:young:wall")):
             self.assertEqual(found.GetValueByName(row, "unknown").ToString(), name)
             self.assertAlmostEqual(found.GetValueByName(row, "value").ToDouble() / told.values[name], 1, places=9)
+        state = smstate.get_state()  # a script, with the solver that was chosen and what is known
+        for line in (".Solver = 'Voxel Stiffness'", ".Solver.PoissonsRatios = ['wall', '0.2']"):
+            self.assertIn(line, state)
 
     def test_stresses(self):
         tissue = pv.MicrostructureSource(Size=[90, 80, 1])

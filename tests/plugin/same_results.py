@@ -212,6 +212,13 @@ class SameResults(unittest.TestCase):
         self.assertEqual(told["unknown"]["conductivity:wall"]["high"], bare.high["conductivity:wall"])
         self.assertEqual(bare.solution.fields, {})
 
+    def test_fit_of_slopes(self):
+        words = ["--conductivity", "lumen=0.023", "--unknown", "wall", "--unknown", "slope:wall=0.5", "--measured", "x@0=0.3±0.01,x@0.12=0.33±0.01,y@0.2=0.34±0.01"]
+        told = self.run_program("fit", "diffusion", "t.vti", *words, "--json", "-o", "moist.vti")
+        found = lamella.fit("diffusion", self.sample, {"wall": None, "slope:wall": 0.5}, {"x@0": (0.3, 0.01), "x@0.12": (0.33, 0.01), "y@0.2": (0.34, 0.01)},
+                            conductivity={"lumen": 0.023})
+        self.same_fit("moist.vti", json.loads(told), found)
+
     def test_fit_of_moduli(self):
         made = lamella.stiffness(self.sample, {"wall": 8e9, "lumen": 4e8}, {"wall": 0.2}, estimate_error=False).constants
         measured = {name: (made[name], 0.005 * made[name]) for name in ("E_x", "E_y", "G_xy")}
