@@ -97,8 +97,7 @@ private:
         continue;
       any = true;
       for (std::size_t k = 0; k < found_.unknowns.size(); ++k)
-        if (const FitUnknown& other = found_.unknowns[k];
-            !other.slope && other.property + other.phase == u.property + u.phase)
+        if (!found_.unknowns[k].slope && "slope:" + found_.unknowns[k].key() == u.key())
         {
           partner_[i] = k;
           partner_[k] = i;
