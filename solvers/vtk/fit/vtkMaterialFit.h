@@ -8,7 +8,7 @@
  *
  * **Input**: one or several vtkImageData (AddInputConnection, AddInputDataObject), samples of the same materials, each
  * with measurements of its own, in this order. The solver's own input is left alone until then and is the fit's from
- * then on. SetInputArrayToProcess(0, ...) and (1, ...) name phases and axes as they do of the solver, which they are
+ * then on. SetInputArrayToProcess(0, ...), (1, ...), (2, ...) name arrays as they do of the solver, which they are
  * handed to; without them the solver's own count.
  *
  * **Output**: 0, the first sample as the solver gives it at the fit, which is its last solve, at the moisture of its
