@@ -69,14 +69,15 @@ public:
     , f_(f)
     , nonlinear_(nonlinear)
     , parts_(nonlinear ? bonds.dimension() : 1)
-    , buffers_(bonds.layout().pitch * maxChunk * parts_)
+    , bufferPitch_(bonds.layout().pitch + NodeLayout::margin)
+    , buffers_(bufferPitch_ * maxChunk * parts_)
     , dump_(bonds.layout().pitch * bonds.dimension())
     , marks_(nonlinear ? bonds.layout().pitch : 0)
     , kernels_(kernelsOf<Real>(bonds))
   {
     begin(job_, bonds, numbers);
     job_.t = buffers_.data() + NodeLayout::margin;
-    job_.pitch = bonds.layout().pitch;
+    job_.pitch = bufferPitch_;
     job_.marks = marks_.data() + (nonlinear ? NodeLayout::margin : 0);
   }
 
@@ -137,7 +138,7 @@ private:
     for (const Run& r : runs_.gaps)
       for (int b = 0; b < maxChunk * parts_; ++b)
       {
-        Real* const t = buffers_.data() + NodeLayout::margin + b * bonds_.layout().pitch;
+        Real* const t = buffers_.data() + NodeLayout::margin + b * bufferPitch_;
         std::fill(t + r.begin, t + r.end, Real(0));
       }
     clear_ = runs_.gaps;
@@ -191,6 +192,7 @@ private:
   NodeField<Real>& f_;
   bool nonlinear_;
   int parts_;
+  std::int64_t bufferPitch_; ///< a strip after the last that is written is read, too
   AlignedArray<Real> buffers_;
   AlignedArray<Real> dump_;
   AlignedArray<unsigned char> marks_;

@@ -12,10 +12,11 @@ namespace lamella::peridynamics
 {
 
 /// Where the nodes of this rank's part of a lattice lie in memory: x fastest, then y, then z, with a rim of `ghost`
-/// nodes on every side of every dimension. Rows are padded so that x = 0 and every row begin on a cache line.
+/// nodes on every side of every dimension. Rows are padded so that x = 0 and every row begin on a cache line; what
+/// precedes x = 0 follows the rim after the last node of the row before.
 struct NodeLayout
 {
-  static constexpr std::int64_t margin = 16; ///< nodes before x = 0, and at least that many after the last
+  static constexpr std::int64_t margin = 16; ///< nodes before x = 0
 
   int dimension = 2;
   int ghost = 0;                                 ///< at most 8
@@ -65,7 +66,7 @@ struct NodeLayout
   [[nodiscard]] static NodeLayout make(int dimension, int ghost, const std::array<std::int64_t, 3>& size,
     const std::array<std::int64_t, 3>& start, const std::array<std::int64_t, 3>& global)
   {
-    return { dimension, ghost, size, start, global, (margin + size[0] + margin + 15) / 16 * 16 };
+    return { dimension, ghost, size, start, global, (margin + size[0] + ghost + 15) / 16 * 16 };
   }
   /// Of the largest part where a lattice is cut along its last axis into as many parts as there are ranks.
   [[nodiscard]] static NodeLayout largestPart(

@@ -12,7 +12,6 @@ EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed,
   : bonds_(bonds)
   , fixed_(fixed)
   , base_(displacement)
-  , direction_(bonds.layout())
   , slow_(bonds)
   , springs_(bonds)
 {
@@ -38,7 +37,6 @@ EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed,
   : bonds_(bonds)
   , fixed_(fixed)
   , base_(std::move(state.base))
-  , direction_(bonds.layout())
   , slow_(bonds)
   , reference_(state.reference)
   , springs_(bonds)
@@ -66,7 +64,6 @@ void EventHierarchy::renew()
   evaluate(0, whole(bonds_.layout()));
   collapse();
   slow_.clear();
-  direction_.fill(0);
   for (EventLevel& level : levels_)
     for (NodeField<float>* f : { &level.g, &level.total, &level.change })
       f->fill(0);
@@ -82,19 +79,21 @@ void EventHierarchy::renew()
 // Also when round-off has got the better of the matrices.
 void EventHierarchy::build()
 {
+  const bool first = levels_.empty();
+  if (first)
+  {
+    levels_.reserve(BondMultigrid::maxLevels); // a field of the first one is lent
+    levels_.emplace_back(bonds_.layout());
+  }
   multigrid_.reset(); // there is room for one
-  multigrid_ = std::make_unique<BondMultigrid>(bonds_, fixed_);
+  multigrid_ = std::make_unique<BondMultigrid>(bonds_, fixed_, MultigridOptions{}, &levels_.front().change);
+  levels_.front().change.fill(0);
   for (std::size_t k = 0; k < multigrid_->levelCount(); ++k)
     multigrid_->level(k).d.fill(0); // relax() counts on it
-  if (!levels_.empty())
+  if (!first)
     return;
-  levels_.resize(multigrid_->levelCount());
-  for (std::size_t k = 0; k < levels_.size(); ++k)
-  {
-    const Level& level = multigrid_->level(k);
-    for (NodeField<float>* f : { &levels_[k].w, &levels_[k].g, &levels_[k].total, &levels_[k].change })
-      *f = NodeField<float>(level.layout);
-  }
+  while (levels_.size() < multigrid_->levelCount())
+    levels_.emplace_back(multigrid_->level(levels_.size()).layout);
   inner_.resize(levels_.size());
   outer_.resize(levels_.size());
 }
@@ -105,7 +104,7 @@ std::int64_t EventHierarchy::bytes() const noexcept
   for (const EventLevel& level : levels_)
     total += 4 * level.w.components() * level.w.layout().count() * static_cast<std::int64_t>(sizeof(float));
   const std::int64_t nodes = base_.components() * base_.layout().count();
-  return total + nodes * static_cast<std::int64_t>(sizeof(double) + sizeof(float));
+  return total + nodes * static_cast<std::int64_t>(sizeof(double));
 }
 
 void EventHierarchy::maskRow(
@@ -162,6 +161,9 @@ void EventHierarchy::evaluateFrom(std::size_t k, const Box& box)
         maskRow(level.total, y, z, box.low[0], box.high[0]);
       for (int c = 0; c < l.dimension; ++c)
         levelKernels().axpy(n, 1.0F, level.w.component(c) + i, level.total.component(c) + i);
+      if (box.high[0] > l.size[0]) // the padding, which a coarse node at or beyond the last one reaches
+        for (int c = 0; c < l.dimension; ++c)
+          std::fill(level.total.component(c) + l.index(l.size[0], y, z), level.total.component(c) + i + n, 0.0F);
     });
 }
 
@@ -245,6 +247,7 @@ double EventHierarchy::dipole(std::int64_t index, int offset, double force) cons
 
 double EventHierarchy::inconsistency()
 {
+  levels_.front().change.fill(0);
   for (std::size_t k = 0; k < levels_.size(); ++k)
     evaluate(k, whole(levels_[k].w.layout()));
   std::vector<NodeField<float>> residual;

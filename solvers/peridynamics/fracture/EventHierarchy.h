@@ -93,7 +93,10 @@ public:
   /// before, and twice that.
   [[nodiscard]] double expectedResidual() const noexcept;
   /// Forces on all nodes, after a global correction only: those on fixed components are reactions.
-  [[nodiscard]] const NodeField<float>& force() const noexcept { return looked_ ? direction_ : levels_.front().g; }
+  [[nodiscard]] const NodeField<float>& force() const noexcept
+  {
+    return looked_ ? levels_.front().change : levels_.front().g;
+  }
   /// Largest |Pᵀρ_l − ρ_{l+1}| over the largest |ρ₀|, ρ the residuals: round-off. For tests; visits everything.
   [[nodiscard]] double inconsistency();
   [[nodiscard]] std::int64_t bytes() const noexcept;
@@ -103,10 +106,18 @@ private:
 
   struct EventLevel
   {
+    explicit EventLevel(const NodeLayout& layout)
+      : w(layout)
+      , g(layout)
+      , total(layout)
+      , change(layout)
+    {
+    }
     NodeField<float> w;      ///< this level's part
     NodeField<float> g;      ///< what A_l U_l is to be
-    NodeField<float> total;  ///< U_l where it was evaluated
-    NodeField<float> change; ///< of the residual, not yet handed to the next level; zero between cycles
+    NodeField<float> total;  ///< U_l where it was evaluated; the direction of global corrections
+    /// Of the residual, not yet handed to the next level; zero between cycles. Products of global corrections.
+    NodeField<float> change;
   };
 
   void prepare();
@@ -138,7 +149,6 @@ private:
   std::unique_ptr<BondMultigrid> multigrid_;
   std::vector<EventLevel> levels_;
   NodeField<double> base_;
-  NodeField<float> direction_; ///< of conjugate gradients on the whole lattice
   SlowMotions slow_;
   std::vector<char> rowFixed_; ///< by ordinal of the row: does it have a fixed component?
   std::vector<double> sums_;   ///< of rows

@@ -67,18 +67,19 @@ double EventHierarchy::freeNorm(const NodeField<float>& r)
   return std::sqrt(rowSum([&](std::int64_t y, std::int64_t z) { return freeSquare(r, y, z); }));
 }
 
-// Of what the parts come to, into the direction: g₀ − A U₀.
+// Of what the parts come to, in place of the change: g₀ − A U₀.
 void EventHierarchy::measureResidual()
 {
   const NodeLayout& l = bonds_.layout();
+  NodeField<float>& residual = levels_.front().change;
   evaluate(0, whole(l));
-  linearForce(bonds_, correction(), direction_);
+  linearForce(bonds_, correction(), residual);
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t i = l.index(0, y, z);
       for (int c = 0; c < l.dimension; ++c)
-        levelKernels().axpy(l.size[0], 1.0F, levels_.front().g.component(c) + i, direction_.component(c) + i);
+        levelKernels().axpy(l.size[0], 1.0F, levels_.front().g.component(c) + i, residual.component(c) + i);
     });
 }
 
@@ -151,16 +152,17 @@ void EventHierarchy::takeOutSlowMotions()
 {
   const NodeLayout& l = bonds_.layout();
   EventLevel& finest = levels_.front();
-  direction_.fill(0);
-  slow_.answer(finest.g, direction_);
-  linearForce(bonds_, direction_, finest.change); // −A p
+  NodeField<float>& p = finest.total;
+  p.fill(0);
+  slow_.answer(finest.g, p);
+  linearForce(bonds_, p, finest.change); // −A p
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t i = l.index(0, y, z);
       for (int c = 0; c < l.dimension; ++c)
       {
-        levelKernels().axpy(l.size[0], 1.0F, direction_.component(c) + i, finest.w.component(c) + i);
+        levelKernels().axpy(l.size[0], 1.0F, p.component(c) + i, finest.w.component(c) + i);
         levelKernels().axpy(l.size[0], 1.0F, finest.change.component(c) + i, finest.g.component(c) + i);
       }
     });
@@ -173,9 +175,9 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
   EventLevel& finest = levels_.front();
   NodeField<float>& r = finest.g;
   NodeField<float>& q = finest.change;
-  NodeField<float>& p = direction_;
+  NodeField<float>& p = finest.total;
   measureResidual();
-  double size = freeNorm(direction_);
+  double size = freeNorm(q);
   learn(size);
   const auto [tolerance, maxIterations] = further && size <= goal.tolerance * reference_ ? *further : goal;
   const double target = tolerance * reference_;
@@ -192,7 +194,7 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
     size = freeNorm(r);
   }
   else
-    std::swap(r, direction_);
+    std::swap(r, q);
   const bool moves = size > target;
   if (moves && !slow_.empty())
   {

@@ -205,6 +205,9 @@ void EventHierarchy::relaxCoarsest()
 EventHierarchy::Local EventHierarchy::correct(
   const Box& box, int radius, int coarseRadius, double target, int maxCycles)
 {
+  if (looked_) // the residual force is there
+    levels_.front().change.fill(0);
+  looked_ = false;
   nest(box, radius, coarseRadius);
   springs_.read(bonds_, outer_.front());
   Local local;

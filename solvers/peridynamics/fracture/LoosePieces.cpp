@@ -40,7 +40,7 @@ void LoosePieces::begin(Flood& flood, std::int64_t node)
   seen_[node] = flood.mark;
 }
 
-bool LoosePieces::grow(Flood& flood, std::int32_t other)
+bool LoosePieces::grow(Flood& flood, std::uint16_t other)
 {
   const std::int64_t node = flood.nodes[flood.next++];
   return graph_.anyNeighbour(node,
@@ -63,9 +63,9 @@ std::vector<std::int64_t> LoosePieces::after(std::int64_t index, int offset)
   if (graph_.shareNeighbour(index, step))
     return {};
   ++searches_;
-  if (floods_ > std::numeric_limits<std::int32_t>::max() - 4)
+  if (floods_ > std::numeric_limits<std::uint16_t>::max() - 4)
   {
-    seen_ = AlignedArray<std::int32_t>(bonds_.layout().count());
+    seen_ = AlignedArray<std::uint16_t>(bonds_.layout().count());
     floods_ = 0;
   }
   Flood first;

@@ -27,26 +27,26 @@ public:
   /// Does a piece still reach from platen to platen?
   [[nodiscard]] bool holds() const noexcept { return bridges_ > 0; }
   [[nodiscard]] std::int64_t searches() const noexcept { return searches_; }
-  [[nodiscard]] std::int64_t bytes() const noexcept { return marks_.size() + 4 * seen_.size(); }
+  [[nodiscard]] std::int64_t bytes() const noexcept { return marks_.size() + 2 * seen_.size(); }
 
 private:
   struct Flood
   {
     std::vector<std::int64_t> nodes;
     std::size_t next = 0;
-    std::int32_t mark = 0;
+    std::uint16_t mark = 0;
     std::uint8_t platens = 0;
   };
   void begin(Flood& flood, std::int64_t node);
   /// Visits the neighbours of one more node.
   /// @return whether one of them belongs to the other flood
-  bool grow(Flood& flood, std::int32_t other);
+  bool grow(Flood& flood, std::uint16_t other);
 
   const BondLattice& bonds_;
   BondGraph graph_;
   AlignedArray<std::uint8_t> marks_; ///< PlatenForce::marks()
-  AlignedArray<std::int32_t> seen_;  ///< by which flood
-  std::int32_t floods_ = 0;
+  AlignedArray<std::uint16_t> seen_; ///< by which flood
+  std::uint16_t floods_ = 0;
   std::int64_t bridges_ = 0; ///< pieces from platen to platen
   std::int64_t searches_ = 0;
 };

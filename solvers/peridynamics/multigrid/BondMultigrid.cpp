@@ -14,8 +14,6 @@ namespace lamella::peridynamics
 namespace
 {
 
-constexpr std::size_t maxLevels = 32;
-
 // Reproducible numbers without a pattern, the same for a node whatever rank holds it.
 constexpr int sweepsInstead = 10; // of a coarsest level that is too large to be factorised
 
@@ -56,10 +54,13 @@ double dot(const NodeField<float>& a, const NodeField<float>& b)
 
 } // namespace
 
-BondMultigrid::BondMultigrid(const BondLattice& bonds, const FixedComponents& fixed, const MultigridOptions& options)
+BondMultigrid::BondMultigrid(
+  const BondLattice& bonds, const FixedComponents& fixed, const MultigridOptions& options, NodeField<float>* work)
   : bonds_(bonds)
   , fixed_(fixed)
   , options_(options)
+  , ownForce_(work != nullptr ? NodeField<float>() : NodeField<float>(bonds.layout()))
+  , force_(work != nullptr ? *work : ownForce_)
 {
   const NodeField<float> diagonal = buildFinest();
   if (coarsenable())
@@ -86,7 +87,6 @@ NodeField<float> BondMultigrid::buildFinest()
   top.comm = &bonds_.communicator();
   top.rim = LevelRim(top.layout, top.periodic, *top.comm);
   top.allocateVectors();
-  force_ = NodeField<float>(top.layout);
 
   FreeBlocks blocks(bonds_, fixed_);
   fixedNodes_ = std::move(blocks.fixedNodes);
@@ -199,7 +199,7 @@ void BondMultigrid::gatherField(
 
 std::int64_t BondMultigrid::bytes() const noexcept
 {
-  std::int64_t total = static_cast<std::int64_t>(sizeof(float)) * force_.components() * force_.layout().count() +
+  std::int64_t total = static_cast<std::int64_t>(sizeof(float)) * ownForce_.components() * ownForce_.layout().count() +
     (coarsest_ ? coarsest_->bytes() : 0);
   for (const auto& level : levels_)
     total += level->bytes();

@@ -38,8 +38,13 @@ struct SpringWeights
 class BondMultigrid
 {
 public:
+  static constexpr std::size_t maxLevels = 32;
+
   /// @param fixed see FixedComponents; must outlive this, as must the bonds
-  BondMultigrid(const BondLattice& bonds, const FixedComponents& fixed, const MultigridOptions& options = {});
+  /// @param work a field of the bonds' layout that this may overwrite at any time, in place of one of its own; must
+  /// outlive this where it is given
+  BondMultigrid(const BondLattice& bonds, const FixedComponents& fixed, const MultigridOptions& options = {},
+    NodeField<float>* work = nullptr);
 
   /// x = M r: `input` is taken as zero where components are fixed. The rim of the result is not filled. Collective.
   const NodeField<float>& apply(const NodeField<double>& input, double scale);
@@ -99,7 +104,8 @@ private:
   Communicator alone_;
   std::vector<std::unique_ptr<Level>> levels_;
   std::vector<std::int64_t> fixedNodes_; ///< own positions with a fixed component
-  NodeField<float> force_;               ///< of the finest level
+  NodeField<float> ownForce_;            ///< where no field was given
+  NodeField<float>& force_;              ///< of the finest level
   std::vector<NodeField<float>> traces_; ///< of the coarse levels' diagonal blocks before the first bond broke
   std::optional<CoarsestLevel> coarsest_;
   std::int64_t products_ = 0;

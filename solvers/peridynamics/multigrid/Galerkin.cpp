@@ -277,21 +277,20 @@ private:
     for (int c = 0; c < channels; ++c)
     {
       const float* from = values.data() + (2 * c + t.parityX) * stride_ + part.first;
-      float* to = nullptr;
-      if (scalars)
+      const Range at{ t.shiftX + part.first, t.shiftX + part.last };
+      if (!scalars)
       {
-        const auto slot = static_cast<std::size_t>(t.target + 1);
-        to = sums_.data() + static_cast<std::int64_t>(slot) * coarse_.layout.pitch;
-        if (touched_[slot] == 0)
-        {
-          touched_[slot] = 1;
-          std::fill_n(to, coarse_.layout.pitch, 0.0F);
-        }
-        to += NodeLayout::margin;
+        add(t.target, c, y, z, at, t.weight, from);
+        continue;
       }
-      else
-        to = entry(t.target, c) + coarse_.layout.index(0, y, z);
-      levelKernels().axpy(part.last - part.first, t.weight, from, to + t.shiftX + part.first);
+      const auto slot = static_cast<std::size_t>(t.target + 1);
+      float* to = sums_.data() + static_cast<std::int64_t>(slot) * coarse_.layout.pitch;
+      if (touched_[slot] == 0)
+      {
+        touched_[slot] = 1;
+        std::fill_n(to, coarse_.layout.pitch, 0.0F);
+      }
+      levelKernels().axpy(at.last - at.first, t.weight, from, to + NodeLayout::margin + at.first);
     }
   }
 
@@ -306,14 +305,26 @@ private:
       const float* from = sums_.data() + static_cast<std::int64_t>(slot) * l.pitch + NodeLayout::margin - l.ghost;
       for (int e = 0; e < entries_; ++e)
         if (tensor[static_cast<std::size_t>(e)] != 0)
-          levelKernels().axpy(l.size[0] + 2 * l.ghost, tensor[static_cast<std::size_t>(e)], from,
-            entry(static_cast<int>(slot) - 1, e) + l.index(-l.ghost, y, z));
+          add(static_cast<int>(slot) - 1, e, y, z, { -l.ghost, l.size[0] + l.ghost },
+            tensor[static_cast<std::size_t>(e)], from);
     }
   }
 
-  [[nodiscard]] float* entry(int target, int e)
+  /// Adds weight times some values to an entry of coarse row (y, z). What is not the coarse level's own is zero where it
+  /// has no rim.
+  void add(int target, int e, std::int64_t y, std::int64_t z, Range at, float weight, const float* from)
   {
-    return target < 0 ? coarse_.diagonal.component(e) : coarse_.blocks.component(target * entries_ + e);
+    if (coarse_.rimless())
+    {
+      const std::int64_t first = at.first;
+      at = { std::max<std::int64_t>(at.first, 0), std::min(at.last, coarse_.layout.size[0]) };
+      if (at.first >= at.last)
+        return;
+      from += at.first - first;
+    }
+    const std::int64_t i = coarse_.layout.index(0, y, z);
+    float* row = target < 0 ? coarse_.diagonal.component(e) + i : &coarse_.block(target * entries_ + e, i);
+    levelKernels().axpy(at.last - at.first, weight, from, row + at.first);
   }
 
   const MatrixRows& rows_;
@@ -358,8 +369,7 @@ void galerkinProduct(const MatrixRows& rows, const NodeLayout& fine, Level& coar
 {
   const NodeLayout& l = coarse.layout;
   coarse.half = forwardNeighbours(l.dimension, l.ghost);
-  coarse.blocks = NodeField<float>(l, static_cast<int>(coarse.half.size()) * coarse.entries());
-  coarse.diagonal = NodeField<float>(l, coarse.entries());
+  coarse.allocateMatrix();
   const Terms terms(l.dimension, coarse.half);
   const std::array<Fold, 3> folds{ Fold(fine, coarse.periodic, 0), Fold(fine, coarse.periodic, 1),
     Fold(fine, coarse.periodic, 2) };
@@ -370,9 +380,10 @@ void galerkinProduct(const MatrixRows& rows, const NodeLayout& fine, Level& coar
 
   // Of the slowest axis the high side of the rim takes part: a fine row has parents there. Of y in space both do.
   const bool space = l.dimension == 3;
-  const std::int64_t lowY = space ? -l.ghost : 0;
-  const std::int64_t highY = l.size[1] + (space ? l.ghost : 1);
-  const std::int64_t highZ = space ? l.size[2] + 1 : 1;
+  const bool rim = !coarse.rimless();
+  const std::int64_t lowY = rim && space ? -l.ghost : 0;
+  const std::int64_t highY = l.size[1] + (!rim ? 0 : space ? l.ghost : 1);
+  const std::int64_t highZ = l.size[2] + (rim && space ? 1 : 0);
   const std::int64_t count = (highY - lowY) * highZ;
 #pragma omp parallel if (fine.owned() >= worthThreads)
   {
@@ -381,11 +392,12 @@ void galerkinProduct(const MatrixRows& rows, const NodeLayout& fine, Level& coar
     for (std::int64_t i = 0; i < count; ++i)
       sum.add(lowY + i % (highY - lowY), i / (highY - lowY));
   }
-  for (NodeField<float>* f : { &coarse.blocks, &coarse.diagonal })
-  {
-    coarse.rim.addBack(*f);
-    coarse.rim.fill(*f);
-  }
+  if (rim)
+    for (NodeField<float>* f : { &coarse.blocks, &coarse.diagonal })
+    {
+      coarse.rim.addBack(*f);
+      coarse.rim.fill(*f);
+    }
 }
 
 MatrixRows rowsOf(const Level& level)
@@ -398,20 +410,19 @@ MatrixRows rowsOf(const Level& level)
       rows.reach = std::max(rows.reach, std::abs(s));
   }
   rows.channels = level.entries();
-  const auto copy =
-    [&level](const NodeField<float>& field, int first, std::int64_t y, std::int64_t z, float* out, std::int64_t stride)
+  rows.block = [&level](int q, std::int64_t y, std::int64_t z, float* out, std::int64_t stride)
   {
     const NodeLayout& l = level.layout;
     for (int e = 0; e < level.entries(); ++e)
-      std::copy_n(field.component(first + e) + l.index(0, y, z), l.size[0], out + e * stride);
-  };
-  rows.block = [&level, copy](int q, std::int64_t y, std::int64_t z, float* out, std::int64_t stride)
-  {
-    copy(level.blocks, q * level.entries(), y, z, out, stride); // before Level::arrange()
+      std::copy_n(&level.block(q * level.entries() + e, l.index(0, y, z)), l.size[0], out + e * stride);
     return true;
   };
-  rows.diagonal = [&level, copy](std::int64_t y, std::int64_t z, float* out, std::int64_t stride)
-  { copy(level.diagonal, 0, y, z, out, stride); };
+  rows.diagonal = [&level](std::int64_t y, std::int64_t z, float* out, std::int64_t stride)
+  {
+    const NodeLayout& l = level.layout;
+    for (int e = 0; e < level.entries(); ++e)
+      std::copy_n(level.diagonal.component(e) + l.index(0, y, z), l.size[0], out + e * stride);
+  };
   return rows;
 }
 

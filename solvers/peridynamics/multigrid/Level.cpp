@@ -14,39 +14,82 @@ void Level::allocateVectors()
   x = NodeField<float>(layout);
   r = NodeField<float>(layout);
   d = NodeField<float>(layout);
-  for (const auto& s : half)
-    jumps_.push_back(s[0] + layout.pitch * (s[1] + layout.rowsY() * s[2]));
-  backJumps_ = jumps_;
+  findJumps();
+}
+
+bool Level::rimless() const noexcept
+{
+  return !comm->parallel() && std::none_of(periodic.begin(), periodic.end(), [](bool p) { return p; });
+}
+
+void Level::allocateMatrix()
+{
+  diagonal = NodeField<float>(layout, entries());
+  tight_ = rimless();
+  if (!tight_)
+  {
+    blocks = NodeField<float>(layout, static_cast<int>(components()));
+    return;
+  }
+  // a row's neighbours are read up to the reach beyond its ends, eight at a time
+  pitch_ = (layout.size[0] + layout.ghost + 7) / 8 * 8;
+  values_ = AlignedArray<float>(layout.size[1] * layout.size[2] * components() * pitch_);
 }
 
 void Level::arrange()
 {
-  const int components = blocks.components();
-  if (half.empty() || values_.size() > 0)
+  const std::int64_t count = components();
+  if (count == 0 || values_.size() > 0)
     return;
-  AlignedArray<float> values(components * layout.count());
+  pitch_ = layout.pitch;
+  AlignedArray<float> values(count * layout.count());
   for (std::int64_t row = 0; row < layout.rows(); ++row)
-    for (int c = 0; c < components; ++c)
-      std::copy_n(
-        blocks.component(c) + row * layout.pitch, layout.pitch, values.data() + (row * components + c) * layout.pitch);
+    for (int c = 0; c < static_cast<int>(count); ++c)
+      std::copy_n(blocks.component(c) + row * pitch_, pitch_, values.data() + (row * count + c) * pitch_);
   values_ = std::move(values);
   blocks = NodeField<float>();
-  for (std::size_t q = 0; q < half.size(); ++q)
-    backJumps_[q] = half[q][0] + components * (jumps_[q] - half[q][0]);
+  findJumps();
+}
+
+void Level::findJumps()
+{
+  jumps_.clear();
+  backJumps_.clear();
+  const std::int64_t row = components() * pitch_;
+  for (const auto& s : half)
+  {
+    jumps_.push_back(s[0] + layout.pitch * (s[1] + layout.rowsY() * s[2]));
+    const bool ordered = values_.size() > 0;
+    backJumps_.push_back(
+      ordered ? s[0] + row * (s[1] + (tight_ ? layout.size[1] : layout.rowsY()) * s[2]) : jumps_.back());
+  }
+  const int g = layout.ghost;
+  mirrored_.clear();
+  for (int z = 0; z <= layout.ghostZ(); ++z)
+    for (int after = 0; after <= g; ++after)
+      for (int before = 0; before <= g; ++before)
+        for (const auto& s : half)
+          mirrored_.push_back(!tight_ || (s[1] <= before && -s[1] <= after && s[2] <= z) ? 1 : 0);
 }
 
 void Level::pointTo(BlockRow& row, std::int64_t index) const noexcept
 {
+  const std::array<std::int64_t, 3> node = layout.node(index);
+  const std::int64_t g = layout.ghost;
+  const std::int64_t before = std::clamp<std::int64_t>(node[1], 0, g);
+  const std::int64_t after = std::clamp<std::int64_t>(layout.size[1] - 1 - node[1], 0, g);
+  const std::int64_t below = std::clamp<std::int64_t>(node[2], 0, layout.ghostZ());
   row.half = static_cast<int>(half.size());
   row.jump = jumps_.data();
   row.back = backJumps_.data();
-  const bool arranged = values_.size() > 0;
-  row.blockStride = entries() * (arranged ? layout.pitch : layout.count());
-  row.nextRow = (arranged ? static_cast<std::int64_t>(half.size()) * entries() : 1) * layout.pitch;
+  row.mirrored = mirrored_.data() + (before + (g + 1) * (after + (g + 1) * below)) * row.half;
+  const bool ordered = values_.size() > 0;
+  row.blockStride = entries() * (ordered ? pitch_ : layout.count());
+  row.nextRow = ordered ? components() * pitch_ : layout.pitch;
   for (int e = 0; e < entries(); ++e)
   {
     row.diagonal[e] = diagonal.component(e) + index;
-    row.block[e] = arranged ? values_.data() + place(e, index) : blocks.component(e) + index;
+    row.block[e] = ordered ? values_.data() + place(e, index) : blocks.component(e) + index;
   }
 }
 

@@ -23,7 +23,7 @@ struct Level
 
   // the matrix of a coarse level: blocks to half of the neighbours, A(i, i + q), and of the node itself
   std::vector<std::array<int, 3>> half;
-  NodeField<float> blocks;   ///< component q · entries + e; until arrange()
+  NodeField<float> blocks;   ///< component q · entries + e; until arrange(), and only where the rim is not empty
   NodeField<float> diagonal; ///< entries of A(i, i)
   NodeField<float> inverse;  ///< of their pseudo-inverses
   float lambda = 2;          ///< largest eigenvalue of D⁻¹A, a little over
@@ -35,14 +35,18 @@ struct Level
   bool gathered = false; ///< the next level is the same lattice, whole on every rank
 
   void allocateVectors();
+  /// Makes room for the matrix, zero. One that has no rim is put in order from the start.
+  void allocateMatrix();
   /// Moves the blocks together row by row: products then read one stream of memory instead of dozens.
   void arrange();
-  /// Block component q · entries + e at a position.
+  /// Nobody else has nodes of this level and no side is periodic: the rim is empty, and so not stored of the blocks.
+  [[nodiscard]] bool rimless() const noexcept;
+  /// Block component q · entries + e at a position; of an own row (y, z), those of the rim too if there is one, at x = 0.
   [[nodiscard]] float& block(int component, std::int64_t index) noexcept
   {
     return values_.size() > 0 ? values_[place(component, index)] : blocks.component(component)[index];
   }
-  [[nodiscard]] float block(int component, std::int64_t index) const noexcept
+  [[nodiscard]] const float& block(int component, std::int64_t index) const noexcept
   {
     return values_.size() > 0 ? values_[place(component, index)] : blocks.component(component)[index];
   }
@@ -52,14 +56,31 @@ struct Level
   [[nodiscard]] std::int64_t bytes() const noexcept;
 
 private:
+  [[nodiscard]] std::int64_t components() const noexcept
+  {
+    return static_cast<std::int64_t>(half.size()) * entries();
+  }
   [[nodiscard]] std::int64_t place(int component, std::int64_t index) const noexcept
   {
-    const std::int64_t components = static_cast<std::int64_t>(half.size()) * entries();
-    return (index / layout.pitch * components + component) * layout.pitch + index % layout.pitch;
+    std::int64_t row = index / layout.pitch;
+    std::int64_t column = index % layout.pitch;
+    if (tight_)
+    {
+      row = (row / layout.rowsY() - layout.ghostZ()) * layout.size[1] + row % layout.rowsY() - layout.ghost;
+      column -= NodeLayout::margin;
+    }
+    return (row * components() + component) * pitch_ + column;
   }
+  void findJumps();
+
   AlignedArray<float> values_;          ///< the blocks: by rows, components, nodes
+  bool tight_ = false;                  ///< own nodes only
+  std::int64_t pitch_ = 0;              ///< of these rows
   std::vector<std::int64_t> jumps_;     ///< of the half stencil in nodes
   std::vector<std::int64_t> backJumps_; ///< the same in floats of the blocks
+  /// Is the row from which a neighbour leads here stored? By how many rows there are before and after along y and
+  /// before along z, each up to the reach; by neighbour.
+  std::vector<std::uint8_t> mirrored_;
 };
 
 /// Neighbours of a node within `reach` steps along every axis whose last nonzero step is positive.

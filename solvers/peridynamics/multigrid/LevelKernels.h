@@ -23,6 +23,7 @@ struct BlockRow
   std::int64_t nextRow = 0; ///< from a block to the same node's of the next row, in floats: fetched ahead
   const std::int64_t* jump; ///< from a node to neighbour q, in nodes; `half` values
   const std::int64_t* back; ///< from the block A(i − q, i) to A(i, i + q), in floats
+  const std::uint8_t* mirrored; ///< is there a row of blocks A(i − q, i)? Else they are zero; `half` values
   float* out[3];            ///<
 };
 

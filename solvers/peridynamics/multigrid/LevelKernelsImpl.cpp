@@ -64,7 +64,8 @@ void subtractPart(std::int64_t at, const BlockRow& r)
     for (int part = 0; part < Parts; ++part)
     {
       add(ahead[part], r.block, q * r.blockStride, r.jump[q], at + part * lanes);
-      add(behind[part], r.block, q * r.blockStride - r.back[q], -r.jump[q], at + part * lanes);
+      if (r.mirrored[q] != 0)
+        add(behind[part], r.block, q * r.blockStride - r.back[q], -r.jump[q], at + part * lanes);
     }
   }
   for (int part = 0; part < Parts; ++part)
