@@ -75,8 +75,8 @@ void one(const Keys& keys)
   {
     std::ofstream file(log->second);
     for (const BrokenBond& b : r.broken)
-      file << fmt::format("{} {} {} {} {:.9e} {:.9e} {:.9e}\n", b.event, b.bond.node[0], b.bond.node[1], b.bond.offset,
-        b.strain, b.criticalStrain, b.stress);
+      file << fmt::format("{} {} {} {} {} {:.9e} {:.9e} {:.9e}\n", b.event, b.bond.node[0], b.bond.node[1],
+        b.bond.node[2], b.bond.offset, b.strain, b.criticalStrain, b.stress);
   }
 }
 

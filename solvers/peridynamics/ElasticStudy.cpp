@@ -340,7 +340,8 @@ double elasticBytes(
   {
     case EquilibriumSolver::Multigrid:
     {
-      const MultigridBytes all = multigridBytes(levelLayouts(layout, ranks > 1));
+      const bool rim = ranks > 1 || std::any_of(model.periodic.begin(), model.periodic.end(), [](bool p) { return p; });
+      const MultigridBytes all = multigridBytes(levelLayouts(layout, ranks > 1), rim);
       levels = all.held + all.making;
       break;
     }

@@ -14,6 +14,7 @@ namespace
 
 constexpr int mostIterations = 200; // of an exact correction: some ten are usual
 constexpr double nearby = 0.8;      // of the largest s/s₀: what a handful of events does not make the next to break
+constexpr int mostLittles = 8;      // corrections that change little, one after the other: then all are looked at
 
 int orUsual(int radius, int dimension, int inPlane, int inSpace)
 {
@@ -104,7 +105,9 @@ void EventEngine::measure()
   force_ = platens_.of(bonds_, state_.force());
   sinceGlobal_ = 0;
   const double start = seconds();
-  tiles_.refreshAll(state_, state_.looked() ? nearby : 0);
+  const bool little = state_.little() && ++littles_ < mostLittles;
+  littles_ = little ? littles_ : 0;
+  tiles_.refreshAll(state_, state_.looked() || little ? nearby : 0);
   statistics_.searchSeconds += seconds() - start;
   statistics_.bytes = state_.bytes() + tiles_.bytes() + pieces_.bytes();
 }

@@ -54,6 +54,7 @@ private:
   double force_ = 0;
   double workOverForce_ = 0; ///< at unit load, of twice the elastic energy: both are in proportion to the stiffness
   int sinceGlobal_ = 0;      ///< events
+  int littles_ = 0;          ///< corrections that changed little since all bonds were looked at
   double reached_ = 1;       ///< tolerance of the last global correction
   std::int64_t searchesBefore_ = 0; ///< that another engine made
 };

@@ -71,7 +71,7 @@ void EventHierarchy::renew()
   residualInDouble();
   restrictAll();
   sinceDouble_ = looks_ = 0;
-  looked_ = false;
+  looked_ = little_ = false;
   freed_ = 0;
   size_ = left_ = unmeasured;
 }

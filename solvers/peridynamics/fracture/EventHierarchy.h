@@ -89,6 +89,8 @@ public:
   [[nodiscard]] const NodeField<double>& base() const noexcept { return base_; }
   /// The last global correction found nothing to do.
   [[nodiscard]] bool looked() const noexcept { return looked_; }
+  /// The last global correction changed no more than a few steps without coarse levels do, in space.
+  [[nodiscard]] bool little() const noexcept { return little_; }
   /// Of the reference: what breaks have left of the residual force since it was last measured, by what they left
   /// before, and twice that.
   [[nodiscard]] double expectedResidual() const noexcept;
@@ -113,9 +115,9 @@ private:
       , change(layout)
     {
     }
-    NodeField<float> w;      ///< this level's part
-    NodeField<float> g;      ///< what A_l U_l is to be
-    NodeField<float> total;  ///< U_l where it was evaluated; the direction of global corrections
+    NodeField<float> w;     ///< this level's part
+    NodeField<float> g;     ///< what A_l U_l is to be
+    NodeField<float> total; ///< U_l where it was evaluated; the direction of global corrections
     /// Of the residual, not yet handed to the next level; zero between cycles. Products of global corrections.
     NodeField<float> change;
   };
@@ -156,6 +158,7 @@ private:
   int sinceDouble_ = 0;        ///< global corrections that changed something
   int looks_ = 0;              ///< those since that did not
   bool looked_ = false;        ///< the last one was such
+  bool little_ = false;        ///< see little()
   double size_ = unmeasured;   ///< norm of the residual force after that
   double freed_ = 0;           ///< force of the bonds that have broken since, all added up
   double left_ = unmeasured;   ///< share of it that local corrections leave

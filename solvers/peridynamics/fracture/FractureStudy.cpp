@@ -241,6 +241,7 @@ double fractureBytes(
   const NodeLayout layout = NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks);
   const auto nodes = static_cast<double>(layout.count());
   const std::vector<NodeLayout> levels = levelLayouts(layout, ranks > 1);
+  const bool rim = ranks > 1 || std::any_of(model.periodic.begin(), model.periodic.end(), [](bool p) { return p; });
   double onLevels = 0; // nodes of all of them
   for (const NodeLayout& level : levels)
     onLevels += static_cast<double>(level.count());
@@ -248,11 +249,11 @@ double fractureBytes(
   // displacements in a checkpoint: gathered, as HDF5 has them, as a file
   const bool file = !options.fracture.checkpoint.path.empty() || !options.fracture.continueFrom.empty();
   const double checkpoint = file ? 3 * 8 * d * static_cast<double>(lattice.count()) : 0;
-  // states have an equilibrium of their own, beside what goes on; four more fields of floats on all levels and one on
-  // the finest, tiles; displacements at unit load and those of the state, its counts
-  const double states = options.keep && options.displacement ? multigridBytes(levels).held + 3 * 8 * d * nodes : 0;
+  // states have an equilibrium of their own, beside what goes on; four more fields of floats on all levels, tiles;
+  // displacements at unit load and those of the state, its counts
+  const double states = options.keep && options.displacement ? multigridBytes(levels, rim).held + 3 * 8 * d * nodes : 0;
   return elasticBytes(model, lattice, grains, elastic, ranks) + checkpoint + states + 4 * 4 * d * onLevels +
-    nodes * (4 * d + 8 + (options.displacement ? 16 * d : 0) + 8 * 3);
+    nodes * (8 + (options.displacement ? 16 * d : 0) + 8 * 3);
 }
 
 FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,

@@ -310,8 +310,8 @@ private:
     }
   }
 
-  /// Adds weight times some values to an entry of coarse row (y, z). What is not the coarse level's own is zero where it
-  /// has no rim.
+  /// Adds weight times some values to an entry of coarse row (y, z). What is not the coarse level's own is zero where
+  /// it has no rim.
   void add(int target, int e, std::int64_t y, std::int64_t z, Range at, float weight, const float* from)
   {
     if (coarse_.rimless())

@@ -19,7 +19,9 @@ void Level::allocateVectors()
 
 bool Level::rimless() const noexcept
 {
-  return !comm->parallel() && std::none_of(periodic.begin(), periodic.end(), [](bool p) { return p; });
+  return !comm->parallel() &&
+    std::none_of(
+      periodic.begin(), periodic.end(), [](bool p) { return p; });
 }
 
 void Level::allocateMatrix()
@@ -31,9 +33,8 @@ void Level::allocateMatrix()
     blocks = NodeField<float>(layout, static_cast<int>(components()));
     return;
   }
-  // a row's neighbours are read up to the reach beyond its ends, eight at a time
-  pitch_ = (layout.size[0] + layout.ghost + 7) / 8 * 8;
-  values_ = AlignedArray<float>(layout.size[1] * layout.size[2] * components() * pitch_);
+  pitch_ = rimlessPitch(layout);
+  values_ = AlignedArray<float>(rimlessNodes(layout) * components());
 }
 
 void Level::arrange()

@@ -41,7 +41,14 @@ struct Level
   void arrange();
   /// Nobody else has nodes of this level and no side is periodic: the rim is empty, and so not stored of the blocks.
   [[nodiscard]] bool rimless() const noexcept;
-  /// Block component q · entries + e at a position; of an own row (y, z), those of the rim too if there is one, at x = 0.
+  /// Nodes for which a level without a rim stores blocks: rows are read up to the reach beyond their ends, eight nodes
+  /// at a time.
+  [[nodiscard]] static std::int64_t rimlessNodes(const NodeLayout& l) noexcept
+  {
+    return rimlessPitch(l) * l.size[1] * l.size[2];
+  }
+  /// Block component q · entries + e at a position; of an own row (y, z), those of the rim too if there is one, at x =
+  /// 0.
   [[nodiscard]] float& block(int component, std::int64_t index) noexcept
   {
     return values_.size() > 0 ? values_[place(component, index)] : blocks.component(component)[index];
@@ -56,10 +63,11 @@ struct Level
   [[nodiscard]] std::int64_t bytes() const noexcept;
 
 private:
-  [[nodiscard]] std::int64_t components() const noexcept
+  [[nodiscard]] static std::int64_t rimlessPitch(const NodeLayout& l) noexcept
   {
-    return static_cast<std::int64_t>(half.size()) * entries();
+    return (l.size[0] + l.ghost + 7) / 8 * 8;
   }
+  [[nodiscard]] std::int64_t components() const noexcept { return static_cast<std::int64_t>(half.size()) * entries(); }
   [[nodiscard]] std::int64_t place(int component, std::int64_t index) const noexcept
   {
     std::int64_t row = index / layout.pitch;

@@ -44,7 +44,7 @@ std::vector<NodeLayout> levelLayouts(const NodeLayout& finest, bool parallel)
   return levels;
 }
 
-MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels)
+MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels, bool rim)
 {
   const int d = levels.front().dimension;
   const double entries = blockEntries(d);
@@ -55,9 +55,10 @@ MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels)
   for (std::size_t k = 1; k < levels.size(); ++k)
   {
     const auto nodes = static_cast<double>(levels[k].count());
-    const double matrix = nodes * entries * static_cast<double>(forwardNeighbours(d, levels[k].ghost).size());
+    const double stored = rim ? nodes : static_cast<double>(Level::rimlessNodes(levels[k]));
+    const double matrix = stored * entries * static_cast<double>(forwardNeighbours(d, levels[k].ghost).size());
     floats += nodes * (2 * entries + 1 + 3 * d) + matrix;
-    largest = std::max(largest, matrix);
+    largest = rim ? std::max(largest, matrix) : 0;
   }
   const double unknowns = static_cast<double>(levels.back().owned()) * d; // of the level that is solved directly
   return { 4 * floats + 12 * unknowns * unknowns, 4 * (largest + 2 * entries * finest) };

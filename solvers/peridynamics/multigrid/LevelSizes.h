@@ -19,6 +19,7 @@ struct MultigridBytes
   double held = 0;   ///< matrices and vectors of the levels
   double making = 0; ///< beside these, while they are made
 };
-[[nodiscard]] MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels);
+/// @param rim is any of it shared with other ranks or by periodic sides?
+[[nodiscard]] MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels, bool rim);
 
 } // namespace lamella::peridynamics
