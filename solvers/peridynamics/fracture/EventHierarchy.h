@@ -89,7 +89,7 @@ public:
   [[nodiscard]] const NodeField<double>& base() const noexcept { return base_; }
   /// The last global correction found nothing to do.
   [[nodiscard]] bool looked() const noexcept { return looked_; }
-  /// The last global correction changed no more than a few steps without coarse levels do, in space.
+  /// The last global correction had hardly more to do than was asked for, in space.
   [[nodiscard]] bool little() const noexcept { return little_; }
   /// Of the reference: what breaks have left of the residual force since it was last measured, by what they left
   /// before, and twice that.

@@ -15,9 +15,7 @@ namespace
 constexpr int everyDouble = 16; // global corrections: then round-off in the residual force is looked after
 constexpr int mostLooks = 4;    // without it
 constexpr int slow = 4;         // iterations of a correction that is worth remembering
-// What coarse parts leave in space, where windows are small, is rough, everywhere, and a little more than is asked for.
-constexpr double slightly = 4; // times that
-constexpr int roughSteps = 3;  // at most
+constexpr double slightly = 4;  // times what is asked for: a residual that moves little
 
 } // namespace
 
@@ -186,7 +184,7 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
   const double target = tolerance * reference_;
   looked_ = size <= target && ++looks_ < mostLooks;
   size_ = size;
-  little_ = false;
+  little_ = l.dimension == 3 && size <= slightly * target;
   if (looked_)
     return { 0, tolerance };
   looks_ = 0;
@@ -207,11 +205,10 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
   }
   double rz = 0;
   int iterations = 0;
-  int rough = l.dimension == 3 && size <= slightly * target ? roughSteps : 0;
   bool rebuilt = false;
   for (bool restart = true; size > target && iterations < maxIterations;)
   {
-    const NodeField<float>& z = rough > 0 ? multigrid_->applyBlocks(r) : multigrid_->apply(r);
+    const NodeField<float>& z = multigrid_->apply(r);
     const double next = dot(r, z);
     const auto beta = static_cast<float>(restart ? 0 : next / rz);
     rz = next;
@@ -227,13 +224,6 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
     restart = false;
     if (!(rz > 0) || !(pq > 0) || !std::isfinite(rz / pq))
     {
-      if (rough > 0) // what is left has no block's stiffness
-      {
-        rough = 0;
-        restart = true;
-        p.fill(0);
-        continue;
-      }
       if (rebuilt)
         throw DivergenceError(
           fmt::format("a displacement without stiffness (r·z = {:.1e}, p·Kp = {:.1e}) in a global correction", rz, pq),
@@ -255,14 +245,10 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
         }
         return freeSquare(r, y, zz);
       }));
-    if (rough > 0)
-      restart = --rough == 0;
-    else
-      ++iterations;
+    ++iterations;
     if (progress && progress(std::clamp(std::log(size / reference_) / std::log(tolerance), 0.0, 1.0)))
       throw Cancelled();
   }
-  little_ = l.dimension == 3 && iterations == 0 && moves;
   if (iterations >= slow)
     slow_.keep(finest.w, q);
   if (moves)

@@ -455,7 +455,7 @@ void BondMultigrid::estimateSpectrum(std::size_t index)
 }
 
 template <class F>
-void BondMultigrid::fillFinest(F&& row)
+const NodeField<float>& BondMultigrid::applyTo(F&& row)
 {
   Level& top = *levels_.front();
   const NodeLayout& l = top.layout;
@@ -466,14 +466,8 @@ void BondMultigrid::fillFinest(F&& row)
         row(l.index(0, y, z), c);
     });
   release(top.r);
-}
-
-template <class F>
-const NodeField<float>& BondMultigrid::applyTo(F&& row)
-{
-  fillFinest(row);
   cycle(0, true);
-  return levels_.front()->x;
+  return top.x;
 }
 
 const NodeField<float>& BondMultigrid::apply(const NodeField<double>& input, double scale)
@@ -488,15 +482,6 @@ const NodeField<float>& BondMultigrid::apply(const NodeField<float>& input)
   Level& top = *levels_.front();
   return applyTo(
     [&](std::int64_t i, int c) { std::copy_n(input.component(c) + i, top.layout.size[0], top.r.component(c) + i); });
-}
-
-const NodeField<float>& BondMultigrid::applyBlocks(const NodeField<float>& input)
-{
-  Level& top = *levels_.front();
-  fillFinest(
-    [&](std::int64_t i, int c) { std::copy_n(input.component(c) + i, top.layout.size[0], top.r.component(c) + i); });
-  chebyshev(top, 0.0F, 1.0F, true);
-  return top.x;
 }
 
 } // namespace lamella::peridynamics

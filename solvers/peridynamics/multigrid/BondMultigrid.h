@@ -50,9 +50,6 @@ public:
   const NodeField<float>& apply(const NodeField<double>& input, double scale);
   /// The same of a field of single precision.
   const NodeField<float>& apply(const NodeField<float>& input);
-  /// x = D⁻¹ r of the finest level alone, D the blocks of the nodes: all that a rough residual needs, at a fifth of the
-  /// work of a step.
-  const NodeField<float>& applyBlocks(const NodeField<float>& input);
 
   // Bonds that break, on one rank and with no periodic side.
   /// @param index position of the first node of a bond that there is
@@ -87,8 +84,6 @@ private:
   /// x = M r of the finest level, after row(i, c) has filled r: of component c, from position i on.
   template <class F>
   const NodeField<float>& applyTo(F&& row);
-  template <class F>
-  void fillFinest(F&& row);
   /// x += M r of a level, or x = M r
   void cycle(std::size_t index, bool fromZero);
   void visit(std::size_t index);
