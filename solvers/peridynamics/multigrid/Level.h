@@ -47,8 +47,7 @@ struct Level
   {
     return rimlessPitch(l) * l.size[1] * l.size[2];
   }
-  /// Block component q · entries + e at a position; of an own row (y, z), those of the rim too if there is one, at x =
-  /// 0.
+  /// Block component q · entries + e at a position: an own node's, or one of the rim where there is one.
   [[nodiscard]] float& block(int component, std::int64_t index) noexcept
   {
     return values_.size() > 0 ? values_[place(component, index)] : blocks.component(component)[index];
