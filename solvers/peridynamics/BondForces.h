@@ -66,6 +66,12 @@ template <class Real>
 template <class Real>
 [[nodiscard]] double elasticEnergy(const BondLattice& bonds, const NodeField<Real>& u, bool nonlinear);
 
+/// Σ (k/|ξ|) (e·η) (e·η′) over the bonds of each kind, η of u and η′ of v, linearised: vᵀKu, kind by kind
+/// (BondLattice:: kinds(), 0 of [0]). Collective.
+template <class Real>
+[[nodiscard]] std::vector<double> mutualEnergy(
+  const BondLattice& bonds, const NodeField<Real>& u, const NodeField<Real>& v);
+
 /// Half of the energy of a node's bonds over its volume [J/m³]; `density` has one component.
 template <class Real>
 void energyDensity(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& density, bool nonlinear);

@@ -42,7 +42,7 @@ BondKinds::BondKinds(const BondModel& model, const Stencil& stencil, double spac
   {
     const BondConstants c = bondConstants(material, stencil, spacing, model.continuum, model.micromodulus, name);
     const BondKind kind{ c.micromodulus * std::pow(spacing, 2 * stencil.dimension()), c.criticalStretch };
-    auto known = std::find(kinds_.begin() + 1, kinds_.end(), kind);
+    auto known = model.kindByPair ? kinds_.end() : std::find(kinds_.begin() + 1, kinds_.end(), kind);
     if (known == kinds_.end())
     {
       if (kinds_.size() > 255)

@@ -47,6 +47,9 @@ struct BondModel
   /// By the ids of the two phases, the lesser first.
   std::map<std::pair<std::uint8_t, std::uint8_t>, PhasePair> pairs{};
   bool pairByGrain = false;
+  /// A kind of bond for each pair, in the order of describePairs(), even where two are of one material: for
+  /// derivatives.
+  bool kindByPair = false;
   std::vector<std::uint8_t> voids{ 0 }; ///< phases that carry no bonds
   VoidBonds voidBonds = VoidBonds::Keep;
   /// The energy method of Madenci and Oterkus, Peridynamic Theory and Its Applications (2014), section 4.2: strained

@@ -163,6 +163,19 @@ double workOfResidual(
   return std::abs(sums[0] / sums[1]);
 }
 
+/// None where no bond breaks.
+std::optional<BreakSensitivity> sensitivityOf(
+  const BondLattice& bonds, Equilibrium& equilibrium, const LoadedSample& sample, const ElasticResult& r)
+{
+  const NodeField<double>& u = sample.displacement;
+  const StretchMaximum most = largestStretch(bonds, u, false);
+  if (!most.bond)
+    return std::nullopt;
+  const double force =
+    sample.load ? 0 : -reactions(bonds, sample, u, r.axis, false).high[static_cast<std::size_t>(r.across)];
+  return breakSensitivity(bonds, equilibrium, sample, u, *most.bond, r.axis, r.across, force);
+}
+
 std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult& r, bool twoPlatens)
 {
   std::vector<std::string> warnings = modelWarnings(model, r.thickness);
@@ -358,13 +371,19 @@ double elasticBytes(
     perNode += 8 * 3 * d;
   const double stress = d == 2 ? 3 : 6;
   perNode += 8 * ((options.stress ? stress : 0) + (options.energyDensity ? 1 : 0));
+  perNode += options.sensitivity ? 8 * 2 * d : 0; // the adjoint and its load
   return bonds + levels + nodes * perNode;
 }
 
-ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
+ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::span<const std::uint8_t> phase,
   std::span<const std::int32_t> grain, const ElasticOptions& options, const Communicator& comm)
 {
   checkLoad(options.loading);
+  if (options.sensitivity && options.equilibrium.strains == Strains::Large)
+    throw ParameterError("a sensitivity of the first break in large strains, where none is found",
+      "leave the sensitivity or the large strains out");
+  BondModel model = asked;
+  model.kindByPair = options.sensitivity;
   const ThreadScope threads(options.threads);
   requireMemory(
     "equilibrium", lattice, elasticBytes(model, lattice, !grain.empty(), options, comm.size()), options.memory, comm);
@@ -407,6 +426,12 @@ ElasticResult studyElastic(const BondModel& model, const Lattice& lattice, std::
       { return workOfResidual(bonds, sample, u, force); };
     Equilibrium equilibrium(bonds, sample.fixed, equilibriumOptions);
     r.solve = equilibrium.solve(sample.displacement, sample.load ? &*sample.load : nullptr);
+    if (options.sensitivity)
+    {
+      lap();
+      r.sensitivity = sensitivityOf(bonds, equilibrium, sample, r);
+      r.sensitivitySeconds = lap();
+    }
   }
   r.displacement = std::move(sample.displacement);
   lap();

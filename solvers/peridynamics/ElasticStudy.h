@@ -2,6 +2,7 @@
 
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/BondModel.h"
+#include "peridynamics/BreakSensitivity.h"
 #include "peridynamics/Equilibrium.h"
 #include "peridynamics/Loading.h"
 
@@ -22,8 +23,10 @@ struct ElasticOptions
   EquilibriumOptions equilibrium{};
   bool stress = false;        ///< stress of every node; not computed unless asked for
   bool energyDensity = false; ///< likewise
-  int threads = 0;            ///< 0: as many as OpenMP would take
-  double memory = 0;          ///< bytes that may be taken on this machine; 0: what is free
+  /// How the stress of the first break changes with each pair's stiffness: one more solve. Small strains only.
+  bool sensitivity = false;
+  int threads = 0;   ///< 0: as many as OpenMP would take
+  double memory = 0; ///< bytes that may be taken on this machine; 0: what is free
 };
 
 /// How thick a phase is, by the shortest of the straight runs along the axes through each of its nodes.
@@ -76,6 +79,8 @@ struct ElasticResult : SampleCounts
   double elasticEnergy = 0; ///< [J], [J/m]
   /// Nothing where no bond is stretched or none can break, and in large strains, where nothing can be scaled.
   std::optional<FirstBreak> firstBreak;
+  /// By pair, in the order of describePairs(); where it was asked for and a bond breaks.
+  std::optional<BreakSensitivity> sensitivity;
   double largestRatio = 0; ///< s/s₀ at this load, large strains included
 
   std::array<std::int64_t, 2> lowPlaten{}; ///< [first, last) layer along the axis
@@ -84,14 +89,16 @@ struct ElasticResult : SampleCounts
   std::int64_t looseNodes = 0;
   std::vector<std::string> warnings; ///< each one line, with its numbers
 
-  double bondSeconds = 0;    ///< making the bonds
-  double loadSeconds = 0;    ///< platens, loose pieces
+  double bondSeconds = 0; ///< making the bonds
+  double loadSeconds = 0; ///< platens, loose pieces
+  double sensitivitySeconds = 0;
   double measureSeconds = 0; ///< all that comes after the solve
   std::int64_t bytes = 0;    ///< of all ranks: bonds, solver and fields
 };
 
 /// @param phase, grain as BondLattice
-/// @throws what BondLattice, applyLoading() and Equilibrium throw; ParameterError where strain or traction is 0;
+/// @throws what BondLattice, applyLoading() and Equilibrium throw; ParameterError where strain or traction is 0, and
+/// for a sensitivity in large strains;
 /// MemoryError before anything is allocated
 [[nodiscard]] ElasticResult studyElastic(const BondModel& model, const Lattice& lattice,
   std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, const ElasticOptions& options,

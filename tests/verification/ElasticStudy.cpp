@@ -214,12 +214,16 @@ TEST(ElasticStudy, RanksChangeNothing)
         s.phase[i] = i * 2654435761U % 4294967296U < 500'000'000U ? 0 : 1;
     ElasticOptions o = exact();
     o.stress = true;
+    o.sensitivity = true;
     const ElasticResult own = solve(m, s, o, alone());
     const ElasticResult all = solve(m, s, o, everyone());
     EXPECT_NEAR(all.effectiveModulus / own.effectiveModulus, 1, 1e-9);
     EXPECT_NEAR(all.elasticEnergy / own.elasticEnergy, 1, 1e-9);
     EXPECT_NEAR(all.firstBreak->strain / own.firstBreak->strain, 1, 1e-8);
     EXPECT_EQ(all.firstBreak->bond, own.firstBreak->bond);
+    EXPECT_EQ(all.sensitivity->kind, own.sensitivity->kind);
+    for (std::size_t i = 0; i < own.sensitivity->stiffness.size(); ++i)
+      EXPECT_NEAR(all.sensitivity->stiffness[i], own.sensitivity->stiffness[i], 1e-8);
     EXPECT_EQ(all.firstBreak->phases, own.firstBreak->phases);
     EXPECT_EQ(all.firstBreak->position, own.firstBreak->position);
     for (std::size_t c = 0; c < 6; ++c)
