@@ -67,6 +67,32 @@ class Equilibrium(Case):
         fine = self.works(*BAR, "--young", "stone=2e9", "--refine", "2", "--solver", "jacobi", "--json").json()
         self.assertEqual((fine["size"], fine["refine"], fine["pixel_size"]), ([60, 120], 2, 1e-5))
 
+    def test_what_the_materials_do_to_the_first_break(self):
+        # of one material it breaks at a stress in proportion to E s0, with s0 ~ sqrt(Gc / E)
+        bar = [*BAR, "--fracture-energy", "stone=10±2", "--young", "stone=2e9+-2e8"]
+        found = self.works(*bar, "--json").json()
+        stress = found["first_break"]["stress"]
+        relative = found["relative_sensitivity"]["first_break_stress"]
+        self.assertEqual(set(relative), {"young:stone", "fracture-energy:stone"})
+        for share in relative.values():
+            self.assertAlmostEqual(share, 0.5, places=4)  # the solver's tolerance is 1e-6
+        self.assertAlmostEqual(found["sensitivity"]["first_break_stress"]["young:stone"] / (0.5 * stress / 2e9), 1, places=4)
+        self.assertAlmostEqual(found["input_errors"]["first_break_stress"], 0.5 * (0.1**2 + 0.2**2) ** 0.5, places=4)
+        text = self.works(*bar).out
+        self.assertIn("1 % more changes that stress by\n", text)
+        self.assertIn("young:stone 0.5 %", text)
+        self.assertIn("the materials' uncertainty leaves 11 % (fracture-energy:stone 10 %, young:stone 5 %)", text)
+        plain = [*BAR, "--young", "stone=2e9", "--critical-stretch", "stone=1e-3"]
+        asked = self.works(*plain, "--sensitivity", "--json").json()
+        self.assertAlmostEqual(asked["relative_sensitivity"]["first_break_stress"]["critical-stretch:stone"], 1, places=4)
+        self.assertIsNone(asked["input_errors"])
+        self.assertIsNone(self.works(*plain, "--json").json()["sensitivity"])
+        nothing = self.works(*BAR, "--young", "stone=2e9", "--sensitivity", "--json").json()  # breaks
+        self.assertIsNone(nothing["sensitivity"])
+        self.fails(2, "a sensitivity of the first break in large strains", "leave the sensitivity", *plain, "--sensitivity", "--large-strains")
+        both = self.run_lamella(*bar, "--json", ranks=2).json()
+        self.assertAlmostEqual(both["relative_sensitivity"]["first_break_stress"]["young:stone"], 0.5, places=4)
+
     def test_table(self):
         text = self.works(*BAR, "--young", "stone=2e9", "--critical-stretch", "stone=1e-3").out
         for words in ("effective modulus", "first bond breaks at", "between stone and stone", "stretch along y",

@@ -45,6 +45,21 @@ class Fracture(Case):
         self.assertEqual(batched["method"], "accurate")
         self.assertLess(batched["statistics"]["events"], batched["broken"])
 
+    def test_what_the_materials_do_to_the_first_break(self):
+        found = self.works(*STRIP, *BREAKS[:2], "--critical-stretch", "glue=0.002±0.0001", "--json").json()
+        relative = found["relative_sensitivity"]["first_break_stress"]
+        self.assertAlmostEqual(relative["young:stone"] + relative["young:glue"], 1, places=4)  # all stiffnesses together
+        self.assertAlmostEqual(relative["critical-stretch:glue"], 1, places=6)
+        self.assertEqual(relative["critical-stretch:stone"], 0)
+        self.assertAlmostEqual(found["input_errors"]["first_break_stress"], 0.05, places=6)
+        plain = self.works(*STRIP, *BREAKS, "--json").json()
+        self.assertEqual(found["peak_stress"], plain["peak_stress"])
+        self.assertIsNone(plain["sensitivity"])
+        squeezed = self.works(*STRIP, *BREAKS, "--compression", "--max-broken", "1", "--sensitivity", "--json").json()
+        squeezed = squeezed["sensitivity"]["first_break_stress"]
+        self.assertGreater(squeezed["critical-stretch:glue"] + squeezed["critical-stretch:stone"], 0)  # counts as positive
+        self.assertIn("1 % more changes that stress by", self.works(*STRIP, *BREAKS, "--sensitivity").out)
+
     def test_how_far_it_speaks_for_others(self):
         found = self.works(*STRIP, *BREAKS, "--window-error", "--json").json()
         plain = self.works(*STRIP, *BREAKS, "--json").json()

@@ -97,6 +97,7 @@ TEST_F(BondEquilibrium, IsTheSolver)
     filter->SetInputData(image);
     filter->ComputeStressOn();
     filter->ComputeStrainEnergyOn();
+    filter->ComputeSensitivityOn();
     ASSERT_EQ(errorOf(filter), "");
     vtkImageData* const output = filter->GetOutput();
     EXPECT_EQ(points(output, "phase"), points(image, "phase")); // passed on, not copied
@@ -106,6 +107,7 @@ TEST_F(BondEquilibrium, IsTheSolver)
     pd::ElasticOptions options;
     options.stress = true;
     options.energyDensity = true;
+    options.sensitivity = true;
     options.threads = 1;
     const Communicator alone(MPI_COMM_SELF);
     const pd::ElasticResult r = pd::studyElastic(model(view.lattice.dimension), view.lattice, view.phase,
@@ -150,6 +152,17 @@ TEST_F(BondEquilibrium, IsTheSolver)
     EXPECT_EQ(number(output, "first_break_strain"), r.firstBreak->strain);
     EXPECT_EQ(number(output, "first_break_position"), r.firstBreak->position[0]);
     EXPECT_EQ(fieldTexts(output, "first_break_phases").size(), 2U);
+    double moduli = 0; // σ ~ all of them together
+    double critical = 0;
+    const std::vector<std::string> names = fieldTexts(output, "material_numbers");
+    for (std::size_t i = 0; i < names.size(); ++i)
+    {
+      const double change = number(output, "first_break_sensitivity", i) * number(output, "material_values", i);
+      (names[i].starts_with("young:") ? moduli : critical) += change / r.firstBreak->stress;
+    }
+    EXPECT_NEAR(critical, 1, 1e-6);
+    // lamella's toughness: s₀ ~ K/E; to the solver's tolerance of 1e-6
+    EXPECT_NEAR(moduli, r.sensitivity->kind == 4 ? 0 : 1, 1e-4);
     EXPECT_EQ(number(output, "bonds"), static_cast<double>(r.bonds));
     EXPECT_EQ(fieldTexts(output, "warnings"), r.warnings);
     EXPECT_EQ(fieldText(output, "load"), "stretch");
@@ -171,6 +184,21 @@ TEST_F(BondEquilibrium, NothingIsComputedThatWasNotAskedFor)
   ASSERT_EQ(errorOf(filter), "");
   EXPECT_EQ(points(filter->GetOutput(), "stress"), nullptr);
   EXPECT_EQ(points(filter->GetOutput(), "strain_energy"), nullptr);
+  EXPECT_TRUE(fieldNumbers(filter->GetOutput(), "first_break_sensitivity").empty());
+}
+
+TEST_F(BondEquilibrium, UncertaintiesAreOfSomething)
+{
+  vtkNew<vtkBondEquilibrium> filter;
+  configure(filter);
+  filter->SetInputData(sample());
+  filter->SetYoungsModulusUncertainty("stone", 1e8);
+  EXPECT_NE(
+    errorOf(filter).find("'stone' has an uncertainty of its Young's modulus, and no such number"), std::string::npos);
+  filter->RemoveAllYoungsModulusUncertainties();
+  filter->SetYoungsModulusUncertainty("wall", 1e8);
+  ASSERT_EQ(errorOf(filter), "");
+  EXPECT_GT(number(filter->GetOutput(), "first_break_input_error"), 0);
 }
 
 // The filter takes the model that came with the image, whatever it is, or one of its own.

@@ -951,6 +951,13 @@ class Bonds(unittest.TestCase):
         self.assertAlmostEqual(result.pairs["stone"]["fracture_energy"], 10)
         self.assertEqual((result.platens, result.axis), (((0, 2), (57, 59)), "y"))
         self.assertEqual(result.first_break_phases, ("stone", "stone"))
+        self.assertEqual((result.sensitivity, result.relative_sensitivity, result.input_errors), ({}, {}, {}))
+        asked = lamella.equilibrium(bar, {"stone": 2e9}, fracture_energy={"stone": 10}, young_uncertainty={"stone": 2e8})
+        for share in asked.relative_sensitivity["first_break_stress"].values():
+            self.assertAlmostEqual(share, 0.5, places=4)  # E s0, s0 ~ sqrt(Gc / E)
+        self.assertAlmostEqual(asked.input_errors["first_break_stress"] / asked.first_break_stress, 0.05, places=4)
+        torn = lamella.fracture(bar, {"stone": 2e9}, critical_stretch={"stone": 1e-3}, sensitivity=True, max_broken=1)
+        self.assertAlmostEqual(torn.relative_sensitivity["first_break_stress"]["critical-stretch:stone"], 1, places=6)
         self.assertEqual(result.warnings, [])
         np.testing.assert_array_equal(lamella.bond_stress(result).stress, result.stress)
         half = lamella.bond_stress(result, {"stone": 1e9})

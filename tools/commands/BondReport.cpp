@@ -1,6 +1,7 @@
 #include "commands/BondReport.h"
 
 #include "commands/DiffusionReport.h"
+#include "commands/SensitivityReport.h"
 #include "files/Record.h"
 #include "session/Text.h"
 
@@ -106,6 +107,36 @@ void addModel(Json& json, const BondFields& f)
   if (!f.numbers("hinges").empty()) // of an equilibrium
     json["hinges"] = f.whole("hinges");
   json["warnings"] = fieldTexts(f.image, "warnings");
+}
+
+namespace
+{
+
+constexpr const char* breakStress = "first_break_stress";
+
+} // namespace
+
+void addBreakSensitivity(Json& json, const BondFields& f)
+{
+  Json sensitivity;
+  Json relative;
+  Json inputs;
+  MaterialNumbers(f.data).add(
+    sensitivity, relative, breakStress, f(breakStress), fieldNumbers(f.data, "first_break_sensitivity"));
+  if (const std::vector<double> error = fieldNumbers(f.data, "first_break_input_error"); !error.empty())
+    inputs[breakStress] = jsonNumber(error[0] / std::abs(f(breakStress)));
+  json["sensitivity"] = std::move(sensitivity);
+  json["relative_sensitivity"] = std::move(relative);
+  json["input_errors"] = std::move(inputs);
+}
+
+std::string breakSensitivityText(const BondFields& f)
+{
+  const std::vector<double> changes = fieldNumbers(f.data, "first_break_sensitivity");
+  if (changes.empty())
+    return "";
+  return "      1 % more changes that stress by\n" +
+    sensitivityText(MaterialNumbers(f.data).of("", f(breakStress), changes), 2, "the materials'");
 }
 
 void addSolve(Json& json, const BondFields& f)

@@ -52,6 +52,10 @@ void addPlatens(Json& json, const BondFields& f);
 
 /// Keys of every report: pairs, model, thickness of phases, what was doubtful.
 void addModel(Json& json, const BondFields& f);
+/// How the stress of the first break changes with the materials: `sensitivity`, `relative_sensitivity`, `input_errors`.
+void addBreakSensitivity(Json& json, const BondFields& f);
+/// The same in words, behind the line of the first break; empty where it was not asked for.
+[[nodiscard]] std::string breakSensitivityText(const BondFields& f);
 /// Of the solve: residual, levels, products.
 void addSolve(Json& json, const BondFields& f);
 /// Sizes: nodes, bonds, strips, bytes.

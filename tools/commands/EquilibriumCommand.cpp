@@ -42,6 +42,7 @@ std::string equilibriumJson(const BondRun& report)
   using enum Key::Kind;
   addKeys(json, f, { { "effective_modulus" }, { "effective_stress" }, { "strain" } });
   json["first_break"] = firstBreak(f);
+  addBreakSensitivity(json, f);
   json["largest_stretch_ratio"] = jsonNumber(f("largest_stretch_ratio"));
   Json mean;
   const std::array<const char*, 6> components{ "xx", "yy", "zz", "xy", "yz", "xz" };
@@ -61,7 +62,7 @@ std::string equilibriumJson(const BondRun& report)
   addKeys(json, f,
     { { "bond_seconds", Number, "seconds", 0 }, { "load_seconds", Number, "seconds", 1 },
       { "setup_seconds", Number, "seconds", 2 }, { "solve_seconds", Number, "seconds", 3 },
-      { "measure_seconds", Number, "seconds", 4 } });
+      { "measure_seconds", Number, "seconds", 4 }, { "sensitivity_seconds", Number, "seconds", 5 } });
   addRun(json, report);
   return dump(json);
 }
@@ -88,6 +89,7 @@ std::string equilibriumTable(const BondRun& report)
     text += fmt::format("    first bond breaks at       strain {:.6g}, stress {}\n", f("first_break_strain"),
       pascal(f("first_break_stress")));
     text += fmt::format("      between {} and {}, at {}\n", ends.at(0), ends.at(1), lengthsText(report, where));
+    text += breakSensitivityText(f);
   }
   else if (f("largest_stretch_ratio") > 0)
   {

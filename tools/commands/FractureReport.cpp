@@ -131,6 +131,7 @@ std::string fractureJson(const FractureReport& report)
   using enum Key::Kind;
   addKeys(json, f, { { "peak_stress" }, { "peak_strain" }, { "peak_broken", Whole }, { "effective_modulus" } });
   json["first_break"] = firstBreak(report, f);
+  addBreakSensitivity(json, f);
   const auto windows = windowFields(report.run.image);
   json["window_errors"] = windowsJson(windows);
   json["size_effect"] = nullptr;
@@ -191,6 +192,7 @@ std::string fractureTable(const FractureReport& report)
     const std::vector<std::string> names = fieldTexts(report.run.image, "phase_names");
     text += fmt::format("    first break at    strain {:.6g}, stress {}, in {}\n", f("first_break_strain"),
       pascal(f("first_break_stress")), pairOf(report.broken, names, 0));
+    text += breakSensitivityText(f);
   }
   text += fmt::format("    peak at           strain {:.6g}, stress {}, {} bonds broken\n", f("peak_strain"),
     pascal(f("peak_stress")), grouped(f.whole("peak_broken")));

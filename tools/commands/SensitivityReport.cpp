@@ -1,5 +1,9 @@
 #include "commands/SensitivityReport.h"
 
+#include "vtkLatticeConversion.h"
+
+#include <vtkDataObject.h>
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -39,6 +43,34 @@ std::string sensitivityText(const Sensitivity& one, int width, const char* of)
   return text +
     fmt::format("    {:<{}}  {} uncertainty leaves {}{}\n", "", width, of, percent(std::sqrt(sum)),
       parts.size() > 1 ? " (" + shares + ")" : "");
+}
+
+MaterialNumbers::MaterialNumbers(vtkDataObject* data)
+  : names(fieldTexts(data, "material_numbers"))
+  , values(fieldNumbers(data, "material_values"))
+  , uncertainty(fieldNumbers(data, "material_uncertainty"))
+{
+}
+
+void MaterialNumbers::add(
+  Json& sensitivity, Json& relative, const std::string& name, double value, const std::vector<double>& by) const
+{
+  for (std::size_t p = 0; p < by.size(); ++p)
+  {
+    sensitivity[name][names[p]] = jsonNumber(by[p]);
+    relative[name][names[p]] = jsonNumber(by[p] * values[p] / value);
+  }
+}
+
+Sensitivity MaterialNumbers::of(const std::string& name, double value, const std::vector<double>& by) const
+{
+  Sensitivity one{ name, {}, {} };
+  for (std::size_t p = 0; p < by.size(); ++p)
+  {
+    one.changes.emplace_back(names[p], by[p] * values[p] / value);
+    one.inputs.emplace_back(names[p], std::abs(by[p] * uncertainty[p] / value));
+  }
+  return one;
 }
 
 namespace

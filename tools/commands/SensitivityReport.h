@@ -1,5 +1,7 @@
 #pragma once
 
+#include "files/JsonReport.h"
+
 #include "statistics/ErrorParts.h"
 
 #include <limits>
@@ -7,6 +9,8 @@
 #include <string>
 #include <utility>
 #include <vector>
+
+class vtkDataObject;
 
 /// What commands tell of how a value changes with the phases', and of its whole error.
 namespace lamella::cli
@@ -27,6 +31,21 @@ struct Sensitivity
 /// @param width of the name
 /// @param of    whose uncertainty: "the conductivities'"
 [[nodiscard]] std::string sensitivityText(const Sensitivity& one, int width, const char* of);
+
+/// What the phases are told by, as field data have it.
+struct MaterialNumbers
+{
+  std::vector<std::string> names;
+  std::vector<double> values, uncertainty;
+
+  explicit MaterialNumbers(vtkDataObject* data);
+  /// Adds how a value changes with each, and that of the logarithms, by name of the value and of these.
+  /// @param by of these in turn; empty: adds nothing
+  void add(
+    Json& sensitivity, Json& relative, const std::string& name, double value, const std::vector<double>& by) const;
+  /// The same in words.
+  [[nodiscard]] Sensitivity of(const std::string& name, double value, const std::vector<double>& by) const;
+};
 
 /// A number of a table.
 struct TableValue

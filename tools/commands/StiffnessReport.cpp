@@ -117,20 +117,6 @@ void addStiffnessSolves(Json& json, const Fields& f, int refine)
 namespace
 {
 
-/// What the phases are told by, and how a value changes with each.
-struct Changes
-{
-  std::vector<std::string> names;
-  std::vector<double> values, uncertainty;
-
-  explicit Changes(const Fields& f)
-    : names(fieldTexts(f.data, "material_numbers"))
-    , values(fieldNumbers(f.data, "material_values"))
-    , uncertainty(fieldNumbers(f.data, "material_uncertainty"))
-  {
-  }
-};
-
 /// One of what each of so many has in turn. @param all none: nothing
 std::vector<double> oneOfEach(const std::vector<double>& all, std::size_t count, std::size_t i)
 {
@@ -150,15 +136,7 @@ void addSensitivity(Json& json, const Fields& f)
   Json totals;
   Json surfaces;
   Json segmentation;
-  const Changes changes(f);
-  const auto add = [&](const std::string& name, double value, const std::vector<double>& by)
-  {
-    for (std::size_t p = 0; p < by.size(); ++p)
-    {
-      sensitivity[name][changes.names[p]] = jsonNumber(by[p]);
-      relative[name][changes.names[p]] = jsonNumber(by[p] * changes.values[p] / value);
-    }
-  };
+  const MaterialNumbers numbers(f.data);
   const std::vector<std::string> names = fieldTexts(f.data, "constant_names");
   const std::vector<double> input = fieldNumbers(f.data, "constants_input_error");
   const std::vector<double> total = fieldNumbers(f.data, "constants_total_error");
@@ -167,7 +145,8 @@ void addSensitivity(Json& json, const Fields& f)
   for (std::size_t i = 0; i < names.size(); ++i)
   {
     const double value = f("constants", i);
-    add(names[i], value, oneOfEach(fieldNumbers(f.data, "constants_sensitivity"), changes.names.size(), i));
+    numbers.add(sensitivity, relative, names[i], value,
+      oneOfEach(fieldNumbers(f.data, "constants_sensitivity"), numbers.names.size(), i));
     if (!input.empty())
       inputs[names[i]] = jsonNumber(input[i] / std::abs(value));
     const std::vector<double> moved = oneOfEach(fieldNumbers(f.data, "constants_surface_sensitivity"), pairs.size(), i);
@@ -179,7 +158,7 @@ void addSensitivity(Json& json, const Fields& f)
       totals[names[i]] = jsonNumber(total[i] / std::abs(value));
   }
   if (const std::vector<double> energy = fieldNumbers(f.data, "load_energy_sensitivity"); !energy.empty())
-    add("energy", f("load_energy"), energy);
+    numbers.add(sensitivity, relative, "energy", f("load_energy"), energy);
   json["sensitivity"] = std::move(sensitivity);
   json["relative_sensitivity"] = std::move(relative);
   json["input_errors"] = std::move(inputs);
@@ -191,19 +170,14 @@ void addSensitivity(Json& json, const Fields& f)
 
 std::string sensitivityText(const Fields& f)
 {
-  const Changes changes(f);
+  const MaterialNumbers numbers(f.data);
   std::string text;
   std::string moved;
   std::string whole;
   const auto add = [&](const std::string& name, double value, const std::vector<double>& by)
   {
-    Sensitivity one{ name, {}, {} };
-    for (std::size_t p = 0; p < by.size() && value > 0; ++p)
-    {
-      one.changes.emplace_back(changes.names[p], by[p] * changes.values[p] / value);
-      one.inputs.emplace_back(changes.names[p], std::abs(by[p]) * changes.uncertainty[p] / value);
-    }
-    text += sensitivityText(one, 6, "the constants'");
+    if (value > 0)
+      text += sensitivityText(numbers.of(name, value, by), 6, "the constants'");
   };
   const std::vector<std::string> names = fieldTexts(f.data, "constant_names");
   const std::vector<double> sensitivity = fieldNumbers(f.data, "constants_sensitivity");
@@ -215,7 +189,7 @@ std::string sensitivityText(const Fields& f)
     const double value = f("constants", i);
     if (names[i].starts_with("nu") || !(value > 0))
       continue;
-    add(names[i], value, oneOfEach(sensitivity, changes.names.size(), i));
+    add(names[i], value, oneOfEach(sensitivity, numbers.names.size(), i));
     if (!doubts.empty())
       moved += fmt::format("    {:<6}  {}\n", names[i], percent(doubts[i] / value));
     const auto [unit, unitName] = stressUnit(value);

@@ -54,15 +54,16 @@ const std::map<std::string, std::string>& reports()
         goesOn },
     { "equilibrium",
       "effective_modulus:Pa effective_stress:Pa strain first_break{strain stress:Pa position phases} "
-      "largest_stretch_ratio "
+      "sensitivity{*{*}} relative_sensitivity{*{*}} input_errors{*} largest_stretch_ratio "
       "mean_stress{xx:Pa yy:Pa zz:Pa xy:Pa yz:Pa xz:Pa} reactions{low high} elastic_energy platen_layers{low high} "
       "solver iterations "
       "newton_steps residual levels products bond_seconds load_seconds setup_seconds solve_seconds "
-      "measure_seconds" +
+      "measure_seconds sensitivity_seconds" +
         platens + model + sizes },
     { "fracture",
       "peak_stress:Pa peak_strain peak_broken effective_modulus:Pa first_break{strain stress:Pa position phases} "
-      "window_errors{*} size_effect{exponent weibull_modulus} broken "
+      "sensitivity{*{*}} relative_sensitivity{*{*}} input_errors{*} window_errors{*} size_effect{exponent "
+      "weibull_modulus} broken "
       "broken_by_pair broken_energy end end_reason states compression method breaking platen_layers{low high} "
       "statistics" +
         goesOn + platens + model + sizes },

@@ -48,7 +48,8 @@
  *
  * @default CheckpointEvery 1000
  *
- * @without LargeStrains Tolerance
+ * @without LargeStrains Tolerance ComputeSensitivity YoungsModulusUncertainties FractureEnergyUncertainties
+ * @without ToughnessUncertainties CriticalStretchUncertainties
  * @sa vtkBondFracture, vtkBondEquilibrium
  */
 

@@ -1,6 +1,7 @@
 #include "vtkBondEquilibrium.h"
 
 #include "BondFields.h"
+#include "BreakData.h"
 #include "FieldNumbers.h"
 #include "LongRun.h"
 #include "vtkProvenance.h"
@@ -57,7 +58,8 @@ void setNumbers(vtkImageData* output, const pd::ElasticResult& r, const std::vec
   whole("products", r.solve.products);
   whole("levels", r.solve.levels);
   lamella::setFieldNumbers(output, "seconds",
-    std::array{ r.bondSeconds, r.loadSeconds, r.solve.setupSeconds, r.solve.solveSeconds, r.measureSeconds });
+    std::array{ r.bondSeconds, r.loadSeconds, r.solve.setupSeconds, r.solve.solveSeconds, r.measureSeconds,
+      r.sensitivitySeconds });
 }
 
 } // namespace
@@ -158,6 +160,8 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
   options.stress = this->ComputeStress;
   options.energyDensity = this->ComputeStrainEnergy;
   options.threads = this->ThreadCount();
+  const lamella::BondUncertainties& uncertainties = this->Uncertainties();
+  options.sensitivity = this->WantsSensitivity();
   if (this->CheckAbort())
     throw lamella::Cancelled();
   const lamella::Communicator comm(team.comm());
@@ -176,6 +180,8 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
     lamella::addStrainEnergy(output, scene, *result.energyDensity, this->GetClassName());
 
   setNumbers(output, result, scene.phases().names);
+  lamella::setBreakSensitivity(output, scene, settings, uncertainties,
+    result.firstBreak ? result.firstBreak->stress : unknown, result.sensitivity);
   lamella::describeThickness(output, scene, result.thickness);
   const nlohmann::json model = lamella::describeModel(output, scene, settings);
   lamella::setFieldText(output, "load", this->LoadName());
@@ -185,7 +191,7 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
       { "strain", this->Strain }, { "lateral_strain", this->LateralStrain }, { "traction", this->Traction },
       { "smooth_platens", this->SmoothPlatens }, { "rigid_platens", this->RigidPlatens },
       { "platen_layers", this->PlatenLayers }, { "solver", solverName[static_cast<std::size_t>(this->Solver)] },
-      { "tolerance", this->Tolerance } });
+      { "sensitivity", options.sensitivity }, { "tolerance", this->Tolerance } });
   if (team.rank() == 0)
     for (const std::string& warning : result.warnings)
       vtkWarningMacro(<< warning);

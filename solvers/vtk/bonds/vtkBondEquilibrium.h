@@ -29,6 +29,10 @@
  * - `first_break_strain`, `first_break_stress`, `first_break_position` (3 numbers [m]), `first_break_phases`: where and
  *   when the first bond breaks as this load grows from nothing; NaN and empty where none does and in large strains.
  *   `largest_stretch_ratio`: the largest s/s0 at this load
+ * - with ComputeSensitivity, where a bond breaks, `material_numbers`: names PROPERTY:PAIR of the values that pairs hang
+ *   on ("young:wall"; as the words of their settings), `material_values`, `material_uncertainty` (0: none), and by
+ * these in turn `first_break_sensitivity`, the derivative of `first_break_stress` [Pa over the value's unit]; with
+ *   uncertainties `first_break_input_error` [Pa], what they leave of it
  * - `load`, `load_axis`, `platen_layers` (first and last layer of the low and of the high platen, counted from 0),
  *   `continuum`, `horizon`, `poissons_ratio`
  * - `pair_names`, `pair_youngs_modulus`, `pair_critical_stretch`, `pair_fracture_energy`, `pair_toughness`: what each

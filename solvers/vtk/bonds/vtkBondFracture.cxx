@@ -1,6 +1,7 @@
 #include "vtkBondFracture.h"
 
 #include "BondScene.h"
+#include "BreakData.h"
 #include "FieldNumbers.h"
 #include "FractureData.h"
 #include "WindowFields.h"
@@ -124,6 +125,7 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   if (this->EstimateWindowError && !settings.notches.empty())
     throw lamella::ParameterError("a window error of a sample with a notch, which is no part of its material",
       "leave the notch, or the window error out");
+  const lamella::BondUncertainties& uncertainties = this->Uncertainties();
   const lamella::BondScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
   pd::FractureStudyOptions options;
@@ -166,11 +168,30 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
       result.warnings.emplace_back(
         "the window error could not be told: the sample is too small to be cut into windows");
   }
+  std::optional<pd::BreakSensitivity> sensitivity;
+  if (this->WantsSensitivity() && !result.record.broken.empty())
+  {
+    this->TellNext();
+    pd::ElasticOptions unbroken;
+    unbroken.loading = options.loading;
+    unbroken.equilibrium.tolerance = options.fracture.tolerance;
+    unbroken.equilibrium.progress = [this](double share)
+    {
+      this->Tell(share, [] { return std::string("sensitivity of the first break"); });
+      return static_cast<bool>(this->CheckAbort());
+    };
+    unbroken.sensitivity = true;
+    unbroken.threads = options.threads;
+    sensitivity = pd::studyElastic(
+      scene.model(), scene.lattice(), scene.phase(), scene.grain(), unbroken, lamella::Communicator(team.comm()))
+                    .sensitivity;
+  }
   this->AddWarnings(settings, result.warnings);
   for (vtkImageData* const image : this->KeptStates())
   {
     this->Describe(image, scene, settings, result);
     describeWindows(image, windows);
+    lamella::setBreakSensitivity(image, scene, settings, uncertainties, result.record.first.stress, sensitivity);
   }
   if (team.rank() == 0)
   {
@@ -201,6 +222,7 @@ void vtkBondFracture::Describe(vtkImageData* image, const lamella::BondScene& sc
       { "platen_layers", this->PlatenLayers }, { "method", lamella::wordOf(result.method) },
       { "breaking", lamella::wordOf(breaking) }, { "rivals", this->Rivals }, { "stop_share", this->StopShare },
       { "maximum_strain", this->MaximumStrain }, { "strain_step", this->StrainStep },
-      { "window_error", this->EstimateWindowError }, { "maximum_broken", this->MaximumBroken },
-      { "tolerance", this->Tolerance }, { "checkpoint_every", this->CheckpointEvery } });
+      { "sensitivity", this->WantsSensitivity() }, { "window_error", this->EstimateWindowError },
+      { "maximum_broken", this->MaximumBroken }, { "tolerance", this->Tolerance },
+      { "checkpoint_every", this->CheckpointEvery } });
 }

@@ -32,6 +32,8 @@
  * **Field data**:
  * - `peak_stress` [Pa], `peak_strain`, `peak_broken`; `first_break_strain`, `first_break_stress` (NaN where nothing
  *   broke); `effective_modulus` [Pa] of the unbroken sample; `total_broken`
+ * - with ComputeSensitivity `material_numbers`, `material_values`, `material_uncertainty`, `first_break_sensitivity`
+ * and `first_break_input_error` [Pa], as vtkBondEquilibrium: of `first_break_stress`, not of the peak
  * - `broken_energy` [J], [J/m] of a picture: Σ ½ k s₀² |ξ|, what the broken bonds held when they were just critical
  * - where EstimateWindowError is on and the sample can be cut: `window_of` (`strength`) and with it `window_errors`,
  *   `window_low`, `window_high` and what else vtkVoxelStiffness has of them: of the mean strength of samples of this

@@ -13,8 +13,11 @@
 #include "vtkBondAlgorithm.h"
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
+#include <memory> // for std::unique_ptr
+
 namespace lamella
 {
+struct BondUncertainties;
 namespace peridynamics // VTK's wrappers do not read lamella::peridynamics
 {
 struct Loading;
@@ -74,6 +77,72 @@ public:
   vtkSettingMacro(Tolerance, double, 1e-6);
 
   /**
+   * Also tell how the stress of the first break changes with each value of the materials: exactly, by one more
+   * equilibrium.
+   * @word sensitivity
+   * @group Accuracy and cost
+   * @advanced
+   */
+  vtkSwitchMacro(ComputeSensitivity, false);
+
+  ///@{
+  /**
+   * How far a Young's modulus may be off, one pair a row [Pa]: half of the interval that holds it 19 times out of 20.
+   * The output then tells what that leaves of the stress of the first break, and ComputeSensitivity is on. Independent
+   * of each other.
+   *
+   * `pair` is the word that SetYoungsModulus() was given; the unit is that of its value.
+   * @word young-uncertainty
+   * @uncertainty young
+   * @title Uncertainty of Young's moduli [Pa]
+   * @group Materials
+   * @columns Bonds, Plus or minus [Pa]
+   * @advanced
+   */
+  void SetYoungsModulusUncertainty(const char* pair, double value);
+  void RemoveAllYoungsModulusUncertainties();
+  ///@}
+  ///@{
+  /**
+   * The same of fracture energies [J/m^2].
+   * @word fracture-energy-uncertainty
+   * @uncertainty fracture-energy
+   * @title Uncertainty of fracture energies [J/m²]
+   * @group Materials
+   * @columns Bonds, Plus or minus [J/m²]
+   * @advanced
+   */
+  void SetFractureEnergyUncertainty(const char* pair, double value);
+  void RemoveAllFractureEnergyUncertainties();
+  ///@}
+  ///@{
+  /**
+   * The same of toughnesses [Pa m^(1/2)].
+   * @word toughness-uncertainty
+   * @uncertainty toughness
+   * @title Uncertainty of toughnesses [Pa √m]
+   * @group Materials
+   * @columns Bonds, Plus or minus [Pa √m]
+   * @advanced
+   */
+  void SetToughnessUncertainty(const char* pair, double value);
+  void RemoveAllToughnessUncertainties();
+  ///@}
+  ///@{
+  /**
+   * The same of critical stretches.
+   * @word critical-stretch-uncertainty
+   * @uncertainty critical-stretch
+   * @title Uncertainty of critical stretches
+   * @group Materials
+   * @columns Bonds, Plus or minus
+   * @advanced
+   */
+  void SetCriticalStretchUncertainty(const char* pair, double value);
+  void RemoveAllCriticalStretchUncertainties();
+  ///@}
+
+  /**
    * Put the stress tensor of every node into the output.
    * @group State shown
    */
@@ -85,13 +154,21 @@ public:
   vtkSwitchMacro(ComputeStrainEnergy, false);
 
 protected:
-  vtkBondLoadAlgorithm() = default;
-  ~vtkBondLoadAlgorithm() override = default;
+  vtkBondLoadAlgorithm();
+  ~vtkBondLoadAlgorithm() override;
 
   /// The settings above but the amount of the load.
   lamella::peridynamics::Loading Platens() const;
   /// As files and people call it.
   const char* LoadName() const;
+  /// How far the materials may be off. @throws ParameterError where they are of nothing
+  const lamella::BondUncertainties& Uncertainties() const;
+  /// Whether the first break's sensitivity is wanted.
+  bool WantsSensitivity() const;
 
   int Load = STRETCH; ///< subclasses set it: not every load is for all
+
+private:
+  struct Internals;
+  std::unique_ptr<Internals> Given;
 };

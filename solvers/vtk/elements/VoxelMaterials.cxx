@@ -1,5 +1,7 @@
 #include "VoxelMaterials.h"
 
+#include "Uncertainties.h"
+
 #include "core/Error.h"
 #include "core/Parse.h"
 #include "elasticity/SharedVoxels.h"
@@ -44,20 +46,6 @@ el::PhaseStiffness tensorOf(const std::string& text, int dimension, const std::s
         : "give 6, the upper triangle by rows, or 4 of an orthotropic one, of the plane; or those of space, "
           "21, 9 or 3");
   return numbers;
-}
-
-/// Refuses uncertainties that are of nothing, or no numbers.
-void requireUncertainties(
-  const VoxelSettings::Values& values, const VoxelSettings::Values& uncertainty, const char* what)
-{
-  for (const auto& [phase, half] : uncertainty)
-  {
-    if (!values.contains(phase))
-      throw ParameterError(fmt::format("'{}' has an uncertainty of its {}, and no such number", phase, what),
-        "give both by the same name, or by the same number");
-    if (!std::isfinite(half) || half < 0)
-      throw ParameterError(fmt::format("the uncertainty of the {} of '{}' is {}", what, phase, half), "give 0 or more");
-  }
 }
 
 } // namespace

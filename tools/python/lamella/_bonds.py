@@ -65,6 +65,34 @@ class BondFields(BondNumbers):
     hinges: int = told("Nodes that hang on too few bonds to resist in every direction.")
 
 
+class BreakInputs:
+    """What the materials do to the stress of the first break; all empty where it was not asked for, or nothing breaks."""
+
+    def _of_break(self, name):
+        return _arrays.numbers(self.vtk, name) if self.vtk.GetFieldData().HasArray(name) else []
+
+    @property
+    def sensitivity(self) -> dict[str, dict[str, float]]:
+        """Of "first_break_stress" by each value of the materials ("young:wall", as the words of their settings) the derivative
+        of the one by the other, in their units."""
+        by = dict(zip(_arrays.texts(self.vtk, "material_numbers"), map(float, self._of_break("first_break_sensitivity"))))
+        return {"first_break_stress": by} if by else {}
+
+    @property
+    def relative_sensitivity(self) -> dict[str, dict[str, float]]:
+        """The same of logarithms: what 1 % more of a value does, in per cent."""
+        values = dict(zip(_arrays.texts(self.vtk, "material_numbers"), self._of_break("material_values")))
+        return {
+            name: {number: float(change * values[number] / self._number(name)) for number, change in by.items()}
+            for name, by in self.sensitivity.items()
+        }
+
+    @property
+    def input_errors(self) -> dict[str, float]:
+        """What the uncertainty of the materials leaves of "first_break_stress" [Pa]; empty where none was given."""
+        return {"first_break_stress": float(error) for error in self._of_break("first_break_input_error")}
+
+
 WORDS = (("void", "pore", "lumen", "air"), ("wall", "secondary wall"), ("middle lamella", "lamella"))
 
 

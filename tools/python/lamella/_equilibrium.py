@@ -6,7 +6,7 @@ import numpy as np
 
 from . import _arrays
 from ._arrays import told
-from ._bonds import FORMERLY, MATERIALS, BondFields, give_bonds
+from ._bonds import FORMERLY, MATERIALS, BondFields, BreakInputs, give_bonds
 from ._errors import run
 from ._samples import ImageBase
 from ._settings import Settings, declared
@@ -21,7 +21,7 @@ def _mean_stress(image):
     return np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
 
 
-class EquilibriumResult(BondFields):
+class EquilibriumResult(BreakInputs, BondFields):
     """``vtk`` is the image with ``displacement`` and what else was asked for, and all numbers as field data.
 
     Forces and energies of a picture are per metre of thickness. y points up.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ._arrays import told
-from ._bonds import FORMERLY, MATERIALS
+from ._bonds import FORMERLY, MATERIALS, BreakInputs
 from ._breaks import BreakResult, BrokenState, run_breaks
 from ._settings import Settings, declared
 from ._solve import as_image
@@ -24,7 +24,7 @@ class FractureState(BrokenState):
         return f"<lamella.FractureState: strain {self.imposed_strain:.6g}, {self.broken_bonds} bonds broken>"
 
 
-class FractureResult(BreakResult, WindowErrors):
+class FractureResult(BreakInputs, BreakResult, WindowErrors):
     """``vtk`` is the image at the end with all numbers as field data; ``vtk_broken`` a vtkPolyData with a vertex a
     broken bond; ``vtk_curve`` a vtkTable.
 
