@@ -9,8 +9,8 @@ volumes  those of grey-volumes.py
 
 Of each: the conductivity of what was found with its segmentation error, and that of the labels of the same pixels, which is its truth; for
 scans also the error of lattice and picture with it (the root of the squares), against labels on pixels a quarter as large. Walls conduct 1 and
-lumens 0.023, or 0.01 and 1. With quantities=conductivity,stiffness also Young's moduli of walls around voids (nu 0.3, straight sides); with material=no without
-those small pixels. Prints the tables of docs/benchmarks/segmentation.md and writes segmentation-error.csv.
+lumens 0.023, or 0.01 and 1. With quantities=conductivity,stiffness also Young's moduli of walls around voids (nu 0.3, straight sides); with strength the peak stress
+of walls between platens (bonds, horizon 3, three pixels cropped; without those small pixels); with material=no without those small pixels. Prints the tables of docs/benchmarks/segmentation.md and writes segmentation-error.csv.
 """
 
 import csv
@@ -68,8 +68,9 @@ def scan_rows(keys, work):
         for seed in range(first, first + int(keys.get("seeds", 6))):
             common = ["generate", tissue, "--solid-fraction", solid, "--seed", seed]
             fine = work / "fine.vti"
-            run(program, *common, "--size", f"{4 * size},{4 * size}", "--pixel-size", f"{pixel / 4}um", "-o", fine)
-            fine_walls = walls_of(fine)
+            if quantities(keys) != ["strength"]:
+                run(program, *common, "--size", f"{4 * size},{4 * size}", "--pixel-size", f"{pixel / 4}um", "-o", fine)
+                fine_walls = walls_of(fine)
             fines = {}
             for look in LOOKS:
                 scan, labels = work / "scan.png", work / "labels.vti"
@@ -82,6 +83,8 @@ def scan_rows(keys, work):
                     DOUBTED.append(f"{group}, {look} {seed}: {told[0].message}")
                     continue
                 truth = walls_of(labels)
+                if "strength" in quantities(keys):
+                    yield from strength_rows(group, f"{look} {seed}", sample, truth)
                 for border in BORDERS if "stiffness" in quantities(keys) else ():
                     if keys.get("material") == "no":
                         fines[border] = None
@@ -125,6 +128,24 @@ def stiffness_rows(group, name, directions, sample, truth, names, border, materi
                "bar": found.segmentation_errors[key] / value, "doubt": doubt, "material": material and material[key],
                "total": material and found.total_errors[key] / value,
                "lattice": material and found.constants_errors[key] / value}  # fmt: skip
+
+
+def strength_rows(group, name, sample, truth):
+    doubt = sample.vtk.GetFieldData().GetArray("surface_doubt").GetValue(0)
+    solid, true = (cropped(s, BORDERS[1]) for s in (np.asarray(sample) == list(sample.names).index("wall"), truth))
+    for direction in "xy":
+        try:
+            found, right = (
+                lamella.fracture(lamella.from_array(np.ascontiguousarray(s, np.uint8), ["lumen", "wall"]), {"wall": 1e9}, axis=direction,
+                                 critical_stretch={"wall": 0.01}, stop=0.9, displacement=False, **more)
+                for s, more in ((solid, {"surface_doubt": doubt}), (true, {})))  # fmt: skip
+        except lamella.LamellaError as error:
+            DOUBTED.append(f"{group}, {name}, {direction}: {error}")
+            continue
+        value = found.peak_stress
+        yield {"group": f"strength, {group}", "case": name, "quantity": "strength", "direction": direction, "found": solid.mean(),
+               "true": true.mean(), "value": value, "truth": right.peak_stress, "error": abs(value / right.peak_stress - 1),
+               "bar": found.segmentation_error / value, "doubt": doubt, "material": None, "total": None, "lattice": None}  # fmt: skip
 
 
 def row_of(group, name, quantity, direction, sample, truth, names, conductivity, material=None):

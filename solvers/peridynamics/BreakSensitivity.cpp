@@ -1,6 +1,7 @@
 #include "peridynamics/BreakSensitivity.h"
 
 #include "peridynamics/BondForces.h"
+#include "peridynamics/PairTable.h"
 
 #include <array>
 #include <cmath>
@@ -47,11 +48,6 @@ int pullBond(const BondLattice& bonds, const NodeField<double>& u, const Bond& b
   return static_cast<int>(found[1]);
 }
 
-using Table = PairTable::Values PairTable::*;
-constexpr std::array<std::pair<const char*, Table>, 4> properties{ { { "young", &PairTable::young },
-  { "fracture-energy", &PairTable::fractureEnergy }, { "toughness", &PairTable::toughness },
-  { "critical-stretch", &PairTable::criticalStretch } } };
-
 } // namespace
 
 BreakSensitivity breakSensitivity(const BondLattice& bonds, Equilibrium& equilibrium, const LoadedSample& sample,
@@ -78,42 +74,6 @@ BreakSensitivity breakSensitivity(const BondLattice& bonds, Equilibrium& equilib
   result.stiffness = mutualEnergy(bonds, adjoint, u);
   result.stiffness.erase(result.stiffness.begin());
   return result;
-}
-
-std::vector<PairNumber> pairNumbers(const PairTable& table, std::span<const std::string> names,
-  std::span<const std::int64_t> nodes, double spacing, const BondModel& model)
-{
-  constexpr double step = 1e-4; // of the logarithm: what is left of its third derivative is 1e-9 of it
-  std::vector<PairNumber> all;
-  for (const auto& [property, values] : properties)
-    for (const auto& [pair, value] : table.*values)
-    {
-      if (!findPair(pair, names))
-        continue;
-      const auto pairs = [&](double change)
-      {
-        PairTable other = table;
-        (other.*values)[pair] = value * std::exp(change);
-        BondModel changed = model;
-        applyMaterials(other, names, nodes, spacing, changed);
-        return describePairs(changed, spacing);
-      };
-      const std::vector<PairData> less = pairs(-step);
-      const std::vector<PairData> more = pairs(step);
-      PairNumber number{ property, pair, value, {}, {} };
-      bool some = false;
-      for (std::size_t i = 0; i < less.size(); ++i)
-      {
-        const auto slope = [](double low, double high)
-        { return std::isfinite(low) && std::isfinite(high) ? std::log(high / low) / (2 * step) : 0; };
-        number.young.push_back(slope(less[i].youngsModulus, more[i].youngsModulus));
-        number.stretch.push_back(slope(less[i].criticalStretch, more[i].criticalStretch));
-        some = some || number.young.back() != 0 || number.stretch.back() != 0;
-      }
-      if (some)
-        all.push_back(std::move(number));
-    }
-  return all;
 }
 
 double relativeChange(const BreakSensitivity& sensitivity, const PairNumber& number)

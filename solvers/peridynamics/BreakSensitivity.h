@@ -2,16 +2,15 @@
 
 #include "peridynamics/Equilibrium.h"
 #include "peridynamics/Loading.h"
-#include "peridynamics/PairTable.h"
 
 #include <cstdint>
-#include <span>
-#include <string>
 #include <vector>
 
 /// How the stress at which the first bond breaks changes with the materials, by one adjoint equilibrium.
 namespace lamella::peridynamics
 {
+
+struct PairNumber;
 
 struct BreakSensitivity
 {
@@ -36,26 +35,7 @@ struct BreakSensitivity
 [[nodiscard]] BreakSensitivity breakSensitivity(const BondLattice& bonds, Equilibrium& equilibrium,
   const LoadedSample& sample, const NodeField<double>& u, const Bond& bond, int axis, int across, double force);
 
-/// One value of a table of materials, and what it does.
-struct PairNumber
-{
-  std::string property; ///< "young", "fracture-energy", "toughness", "critical-stretch"
-  std::string pair;     ///< as the table has it
-  double value = 0;     ///< as the table has it
-  /// ∂ log E/∂ log p and ∂ log s₀/∂ log p by pair, in the order of describePairs(). Of fracture energies and
-  /// toughnesses s₀ hangs on E, too.
-  std::vector<double> young, stretch;
-
-  [[nodiscard]] std::string name() const { return property + ":" + pair; }
-};
-
-/// The values that some pair of the sample hangs on, by differences of the table's own rules (`like`, `relativeTo`,
-/// mixing): to 1e-9; at a kink of Mixing::Minimum the mean of both sides.
-/// @param names, nodes, spacing, model as applyMaterials() had them
-[[nodiscard]] std::vector<PairNumber> pairNumbers(const PairTable& table, std::span<const std::string> names,
-  std::span<const std::int64_t> nodes, double spacing, const BondModel& model);
-
-/// ∂ log σ/∂ log p of the stress at the first break.
+/// ∂ log σ/∂ log p of the stress at the first break, of a value of the table of materials (PairTable.h).
 [[nodiscard]] double relativeChange(const BreakSensitivity& sensitivity, const PairNumber& number);
 
 } // namespace lamella::peridynamics

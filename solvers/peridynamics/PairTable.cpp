@@ -229,6 +229,11 @@ std::vector<std::uint8_t> findVoids(
   return voids;
 }
 
+using Table = PairTable::Values PairTable::*;
+constexpr std::array<std::pair<const char*, Table>, 4> properties{ { { "young", &PairTable::young },
+  { "fracture-energy", &PairTable::fractureEnergy }, { "toughness", &PairTable::toughness },
+  { "critical-stretch", &PairTable::criticalStretch } } };
+
 } // namespace
 
 std::optional<PairKey> findPair(const std::string& text, std::span<const std::string> names)
@@ -330,6 +335,42 @@ std::vector<PairData> describePairs(const BondModel& model, double spacing)
     if (pair.betweenGrains)
       add({ ids.first, ids.second, true }, *pair.betweenGrains);
   }
+  return all;
+}
+
+std::vector<PairNumber> pairNumbers(const PairTable& table, std::span<const std::string> names,
+  std::span<const std::int64_t> nodes, double spacing, const BondModel& model)
+{
+  constexpr double step = 1e-4; // of the logarithm: what is left of its third derivative is 1e-9 of it
+  std::vector<PairNumber> all;
+  for (const auto& [property, values] : properties)
+    for (const auto& [pair, value] : table.*values)
+    {
+      if (!findPair(pair, names))
+        continue;
+      const auto pairs = [&](double change)
+      {
+        PairTable other = table;
+        (other.*values)[pair] = value * std::exp(change);
+        BondModel changed = model;
+        applyMaterials(other, names, nodes, spacing, changed);
+        return describePairs(changed, spacing);
+      };
+      const std::vector<PairData> less = pairs(-step);
+      const std::vector<PairData> more = pairs(step);
+      PairNumber number{ property, pair, value, {}, {} };
+      bool some = false;
+      for (std::size_t i = 0; i < less.size(); ++i)
+      {
+        const auto slope = [](double low, double high)
+        { return std::isfinite(low) && std::isfinite(high) ? std::log(high / low) / (2 * step) : 0; };
+        number.young.push_back(slope(less[i].youngsModulus, more[i].youngsModulus));
+        number.stretch.push_back(slope(less[i].criticalStretch, more[i].criticalStretch));
+        some = some || number.young.back() != 0 || number.stretch.back() != 0;
+      }
+      if (some)
+        all.push_back(std::move(number));
+    }
   return all;
 }
 

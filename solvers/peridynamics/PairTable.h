@@ -88,4 +88,23 @@ struct PairData
 };
 [[nodiscard]] std::vector<PairData> describePairs(const BondModel& model, double spacing);
 
+/// One value of a table of materials, and what it does.
+struct PairNumber
+{
+  std::string property; ///< "young", "fracture-energy", "toughness", "critical-stretch"
+  std::string pair;     ///< as the table has it
+  double value = 0;     ///< as the table has it
+  /// ∂ log E/∂ log p and ∂ log s₀/∂ log p by pair, in the order of describePairs(). Of fracture energies and
+  /// toughnesses s₀ hangs on E, too.
+  std::vector<double> young, stretch;
+
+  [[nodiscard]] std::string name() const { return property + ":" + pair; }
+};
+
+/// The values that some pair of the sample hangs on, by differences of the table's own rules (`like`, `relativeTo`,
+/// mixing): to 1e-9; at a kink of Mixing::Minimum the mean of both sides.
+/// @param names, nodes, spacing, model as applyMaterials() had them
+[[nodiscard]] std::vector<PairNumber> pairNumbers(const PairTable& table, std::span<const std::string> names,
+  std::span<const std::int64_t> nodes, double spacing, const BondModel& model);
+
 } // namespace lamella::peridynamics

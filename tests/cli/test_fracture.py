@@ -45,6 +45,25 @@ class Fracture(Case):
         self.assertEqual(batched["method"], "accurate")
         self.assertLess(batched["statistics"]["events"], batched["broken"])
 
+    def test_surfaces_that_lie_elsewhere(self):
+        self.write("cell.png", pictures.png([[0 if (x - 20) ** 2 + (y - 22) ** 2 < 100 else 255 for x in range(40)] for y in range(44)],
+                                            pixels_per_metre=100000))  # fmt: skip
+        cell = ["fracture", "cell.png", "--phase", "0=lumen,255=stone", "--young", "stone=2e9", "--critical-stretch", "stone=0.01"]
+        plain = self.works(*cell, "--json").json()
+        self.assertEqual([plain[key] for key in ("surface_doubt", "segmentation_errors", "total_errors")], [None] * 3)
+        found = self.works(*cell, "--surface-doubt", "0.1", "--json").json()
+        self.assertEqual((found["peak_stress"], found["surface_doubt"], found["total_errors"]), (plain["peak_stress"], 0.1, None))
+        # Walls of ten pixels beside the lumen: 1 % by 0.1 of a pixel, three times that at the weakest place; a hole's edge bears more.
+        self.assertTrue(0.02 < found["segmentation_errors"]["strength"] < 0.1, found["segmentation_errors"])
+        both = self.works(*cell, "--surface-doubt", "0.1", "--window-error", "--json").json()
+        parts = [both["segmentation_errors"]["strength"], both["window_errors"]["strength"]["error"]]
+        self.assertAlmostEqual(both["total_errors"]["strength"], sum(part**2 for part in parts) ** 0.5, places=9)
+        self.assertRegex(self.works(*cell, "--surface-doubt", "0.1").out, "surfaces within 0.1 pixels .* of the peak open; rough")
+        self.fails(2, "nothing tells how far surfaces may lie", "give the doubt in pixels", *cell, "--segmentation-error")
+        self.fails(2, "without a surface between solid and void", "leave it out", *STRIP, *BREAKS, "--surface-doubt", "0.1")
+        several = self.run_lamella(*cell, "--surface-doubt", "0.1", ranks=2)
+        self.assertIn("a segmentation error of a strength on several processes\nhint: take one process", several.err)
+
     def test_what_the_materials_do_to_the_first_break(self):
         found = self.works(*STRIP, *BREAKS[:2], "--critical-stretch", "glue=0.002±0.0001", "--json").json()
         relative = found["relative_sensitivity"]["first_break_stress"]
@@ -74,7 +93,7 @@ class Fracture(Case):
         self.assertIn("samples of this size have in the mean", self.works(*STRIP, *BREAKS, "--window-error").out)
         several = self.run_lamella(*STRIP, *BREAKS, "--window-error", ranks=2)
         self.assertEqual(several.code, 2)
-        self.assertIn("a window error on several processes\nhint: take one process", several.err)
+        self.assertIn("a window error of a strength on several processes\nhint: take one process", several.err)
         self.fails(2, "a notch, which is no part", "leave the notch", *STRIP, *BREAKS, "--window-error", "--notch", "0,100um,50um,100um")
 
     def test_energy_of_a_crack(self):

@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "peridynamics/BreakSensitivity.h"
 #include "peridynamics/ElasticStudy.h"
+#include "peridynamics/PairTable.h"
 
 #include <gtest/gtest.h>
 

@@ -1,9 +1,11 @@
 #include "commands/FractureReport.h"
 
 #include "commands/DiffusionReport.h"
+#include "commands/SensitivityReport.h"
 #include "commands/WindowReport.h"
 #include "session/Text.h"
 
+#include "FractureData.h"
 #include "WindowFields.h"
 #include "core/Memory.h"
 #include "vtkLatticeConversion.h"
@@ -138,6 +140,15 @@ std::string fractureJson(const FractureReport& report)
   if (!windows.empty())
     json["size_effect"] = { { "exponent", jsonNumber(f("strength_exponent")) },
       { "weibull_modulus", jsonNumber(f("weibull_modulus")) } };
+  const std::vector<double> doubted = fieldNumbers(report.run.image, "strength_segmentation_error");
+  const std::vector<double> total = fieldNumbers(report.run.image, "strength_total_error");
+  json["surface_doubt"] = doubted.empty() ? Json() : Json(f("surface_doubt"));
+  json["segmentation_errors"] = nullptr;
+  if (!doubted.empty())
+    json["segmentation_errors"] = { { "strength", jsonNumber(doubted[0] / f("peak_stress")) } };
+  json["total_errors"] = nullptr;
+  if (!total.empty())
+    json["total_errors"] = { { "strength", jsonNumber(total[0] / f("peak_stress")) } };
   json["broken"] = f.whole("total_broken");
   json["broken_by_pair"] = brokenByPairJson(report);
   json["broken_energy"] = sizeKnown(report.run) ? Json(f("broken_energy")) : Json(nullptr);
@@ -160,6 +171,20 @@ std::string fractureJson(const FractureReport& report)
 
 namespace
 {
+
+/// What a doubt about surfaces leaves of the strength, and the whole of its error.
+std::string doubtText(const BondFields& f)
+{
+  const std::vector<double> error = fieldNumbers(f.image, "strength_segmentation_error");
+  if (error.empty())
+    return "";
+  const double peak = f("peak_stress");
+  std::string text =
+    fmt::format("    surfaces within {:.2g} pixels of where the picture has them leave {} of the peak open; rough\n",
+      f("surface_doubt"), percent(error[0] / peak));
+  const std::string whole = totalText({ "peak", 1, peak, " Pa" }, strengthErrorParts(f.image), f("surface_doubt"));
+  return text + whole;
+}
 
 /// How far the sample speaks for others, and how strength falls with size.
 std::string strengthText(const BondFields& f)
@@ -196,7 +221,7 @@ std::string fractureTable(const FractureReport& report)
   }
   text += fmt::format("    peak at           strain {:.6g}, stress {}, {} bonds broken\n", f("peak_strain"),
     pascal(f("peak_stress")), grouped(f.whole("peak_broken")));
-  text += strengthText(f);
+  text += strengthText(f) + doubtText(f);
   text += fmt::format(
     "    end at            strain {:.6g}, stress {} ({:.3g} % of the peak), {} bonds broken:\n      {}\n", f("strain"),
     pascal(f("stress")), share(f("stress"), f("peak_stress")), grouped(f.whole("total_broken")), f.text("end_reason"));

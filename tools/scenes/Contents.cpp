@@ -62,7 +62,8 @@ const std::map<std::string, std::string>& reports()
         platens + model + sizes },
     { "fracture",
       "peak_stress:Pa peak_strain peak_broken effective_modulus:Pa first_break{strain stress:Pa position phases} "
-      "sensitivity{*{*}} relative_sensitivity{*{*}} input_errors{*} window_errors{*} size_effect{exponent "
+      "sensitivity{*{*}} relative_sensitivity{*{*}} input_errors{*} surface_doubt segmentation_errors{*} "
+      "total_errors{*} window_errors{*} size_effect{exponent "
       "weibull_modulus} broken "
       "broken_by_pair broken_energy end end_reason states compression method breaking platen_layers{low high} "
       "statistics" +

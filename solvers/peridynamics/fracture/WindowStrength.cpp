@@ -14,7 +14,9 @@ namespace
 
 constexpr double pastThePeak = 0.9; // of it: what comes further down tells nothing of strength
 
-FractureStudyOptions optionsOf(const FractureStudyOptions& sample)
+} // namespace
+
+FractureStudyOptions toThePeak(const FractureStudyOptions& sample)
 {
   FractureStudyOptions o;
   o.loading = sample.loading;
@@ -32,8 +34,6 @@ FractureStudyOptions optionsOf(const FractureStudyOptions& sample)
   return o;
 }
 
-} // namespace
-
 std::vector<statistics::WindowTiling> windowStrengths(const BondModel& model, const Lattice& lattice,
   std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, const FractureStudyOptions& options)
 {
@@ -47,7 +47,7 @@ std::vector<statistics::WindowTiling> windowStrengths(const BondModel& model, co
     }
   const Communicator alone(MPI_COMM_SELF);
   std::vector<double> strength(all.size(), 0.0);
-  FractureStudyOptions own = optionsOf(options);
+  FractureStudyOptions own = toThePeak(options);
   std::size_t done = 0;
   own.fracture.progress = [&](const FractureProgress& p)
   {

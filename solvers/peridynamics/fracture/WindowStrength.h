@@ -8,6 +8,10 @@
 namespace lamella::peridynamics
 {
 
+/// Options of a sample's run for others like it: until the stress has fallen to nine tenths of the peak, without files
+/// and states.
+[[nodiscard]] FractureStudyOptions toThePeak(const FractureStudyOptions& sample);
+
 /// Peak stresses [Pa] of the windows that a sample is cut into, halves and thirds of it along each axis, each between
 /// platens of its own and pulled as the sample is; 0 where nothing, or nothing but hinges, leads across. Each runs
 /// until its stress has fallen to nine tenths of its peak, and writes nothing.

@@ -2,6 +2,8 @@
 
 #include "BondFields.h"
 #include "FieldNumbers.h"
+#include "WindowFields.h"
+#include "vtkLatticeConversion.h"
 
 #include "vtkImageData.h"
 #include "vtkInformation.h"
@@ -133,6 +135,18 @@ void setFractureNumbers(vtkImageData* output, const pd::FractureResult& r)
   whole("states_before", r.statesBefore);
   whole("checkpoints", s.checkpoints);
   whole("last_checkpoint", r.checkpointAt);
+}
+
+std::vector<statistics::ErrorPart> strengthErrorParts(vtkImageData* image)
+{
+  std::vector<statistics::ErrorPart> parts;
+  for (const statistics::WindowError& window : windowFields(image))
+    parts.push_back({ "window", window.relative() });
+  const std::vector<double> error = fieldNumbers(image, "strength_segmentation_error");
+  const std::vector<double> peak = fieldNumbers(image, "peak_stress");
+  if (error.size() == 1 && peak.size() == 1)
+    parts.push_back({ "segmentation", error[0] / peak[0] });
+  return parts;
 }
 
 void setLatticeNumbers(vtkDataObject* output, const Lattice& lattice)

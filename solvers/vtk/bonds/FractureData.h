@@ -4,8 +4,12 @@
 #include "Columns.h"
 
 #include "peridynamics/fracture/FractureStudy.h"
+#include "statistics/ErrorParts.h"
+
+#include "vtkLamellaSolversVTKModule.h" // for the export macro
 
 #include <span>
+#include <vector>
 
 class vtkDataObject;
 class vtkImageData;
@@ -37,6 +41,9 @@ void setFractureCurve(vtkTable* output, const peridynamics::FractureResult& resu
 
 /// What was found, as field data: all that does not depend on the state.
 void setFractureNumbers(vtkImageData* output, const peridynamics::FractureResult& result);
+
+/// What field data tell of the error of a strength: "window", "segmentation".
+[[nodiscard]] VTKLAMELLASOLVERSVTK_EXPORT std::vector<statistics::ErrorPart> strengthErrorParts(vtkImageData* image);
 
 /// `spacing` [m], `lattice_size`, `lattice_origin` [m]: 3 numbers each.
 void setLatticeNumbers(vtkDataObject* output, const Lattice& lattice);

@@ -4,11 +4,13 @@
 #include "BreakData.h"
 #include "FieldNumbers.h"
 #include "FractureData.h"
+#include "SurfaceDoubt.h"
 #include "WindowFields.h"
 #include "vtkClassMacros.h"
 #include "vtkProvenance.h"
 
 #include "core/Error.h"
+#include "peridynamics/fracture/SurfaceStrength.h"
 #include "peridynamics/fracture/WindowStrength.h"
 
 #include "vtkFieldData.h"
@@ -17,11 +19,14 @@
 #include "vtkPolyData.h"
 #include "vtkTable.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cstdio>
 #include <optional>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace pd = lamella::peridynamics;
@@ -73,6 +78,31 @@ void describeWindows(vtkImageData* image, std::optional<lamella::statistics::Str
   lamella::setFieldNumber(image, "weibull_modulus", windows->modulus);
 }
 
+/// What a doubt about surfaces does to the strength.
+struct MovedSurfaces
+{
+  double doubt = 0; ///< [nodes]
+  pd::SurfaceStrengths strengths;
+};
+
+void describeSurfaces(vtkImageData* image, double peak, const std::optional<MovedSurfaces>& surfaces)
+{
+  for (const char* const name :
+    { "strength_grown", "strength_shrunk", "surface_step", "strength_segmentation_error", "strength_total_error" })
+    image->GetFieldData()->RemoveArray(name);
+  if (!surfaces)
+    return;
+  const double error = pd::strengthDoubt(peak, surfaces->strengths, surfaces->doubt);
+  lamella::setFieldNumber(image, "surface_doubt", surfaces->doubt);
+  lamella::setFieldNumber(image, "surface_step", surfaces->strengths.step);
+  lamella::setFieldNumber(image, "strength_grown", surfaces->strengths.grown);
+  lamella::setFieldNumber(image, "strength_shrunk", surfaces->strengths.shrunk);
+  lamella::setFieldNumber(image, "strength_segmentation_error", error);
+  const std::vector<lamella::statistics::ErrorPart> parts = lamella::strengthErrorParts(image);
+  if (parts.size() > 1)
+    lamella::setFieldNumber(image, "strength_total_error", lamella::statistics::totalError(parts) * peak);
+}
+
 } // namespace
 
 struct vtkBondFracture::Internals
@@ -119,9 +149,14 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
 {
   const lamella::BondSettings settings = this->Settings();
   check(settings);
-  if (this->EstimateWindowError && team.size() > 1)
-    throw lamella::ParameterError(
-      "a window error on several processes", "take one process, or leave the window error out");
+  const bool surfaces = this->EstimateSegmentationError || this->SurfaceDoubt > 0;
+  for (const auto& [wanted, what] : { std::pair{ this->EstimateWindowError, "window" }, { surfaces, "segmentation" } })
+    if (wanted && team.size() > 1)
+      throw lamella::ParameterError(fmt::format("a {} error of a strength on several processes", what),
+        fmt::format("take one process, or leave the {} error out", what));
+  std::optional<MovedSurfaces> moved;
+  if (surfaces)
+    moved.emplace().doubt = lamella::surfaceDoubt(input, this->SurfaceDoubt, lamella::Communicator(team.comm()));
   if (this->EstimateWindowError && !settings.notches.empty())
     throw lamella::ParameterError("a window error of a sample with a notch, which is no part of its material",
       "leave the notch, or the window error out");
@@ -168,6 +203,12 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
       result.warnings.emplace_back(
         "the window error could not be told: the sample is too small to be cut into windows");
   }
+  if (moved)
+  {
+    this->TellNext();
+    moved->strengths =
+      pd::surfaceStrengths(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, moved->doubt);
+  }
   std::optional<pd::BreakSensitivity> sensitivity;
   if (this->WantsSensitivity() && !result.record.broken.empty())
   {
@@ -191,6 +232,7 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   {
     this->Describe(image, scene, settings, result);
     describeWindows(image, windows);
+    describeSurfaces(image, result.peak.stress, moved);
     lamella::setBreakSensitivity(image, scene, settings, uncertainties, result.record.first.stress, sensitivity);
   }
   if (team.rank() == 0)
@@ -223,6 +265,7 @@ void vtkBondFracture::Describe(vtkImageData* image, const lamella::BondScene& sc
       { "breaking", lamella::wordOf(breaking) }, { "rivals", this->Rivals }, { "stop_share", this->StopShare },
       { "maximum_strain", this->MaximumStrain }, { "strain_step", this->StrainStep },
       { "sensitivity", this->WantsSensitivity() }, { "window_error", this->EstimateWindowError },
-      { "maximum_broken", this->MaximumBroken }, { "tolerance", this->Tolerance },
-      { "checkpoint_every", this->CheckpointEvery } });
+      { "segmentation_error", this->EstimateSegmentationError || this->SurfaceDoubt > 0 },
+      { "surface_doubt", this->SurfaceDoubt }, { "maximum_broken", this->MaximumBroken },
+      { "tolerance", this->Tolerance }, { "checkpoint_every", this->CheckpointEvery } });
 }

@@ -38,6 +38,10 @@
  * - where EstimateWindowError is on and the sample can be cut: `window_of` (`strength`) and with it `window_errors`,
  *   `window_low`, `window_high` and what else vtkVoxelStiffness has of them: of the mean strength of samples of this
  *   size; `strength_exponent` (strength ∝ volume^exponent), `weibull_modulus` (by the windows' scatter)
+ * - where EstimateSegmentationError is on or a SurfaceDoubt given `surface_doubt` [nodes], `strength_grown` and
+ *   `strength_shrunk` [Pa] (peaks with the solid grown and shrunk by `surface_step` [nodes]) and
+ *   `strength_segmentation_error` [Pa], what the doubt leaves of `peak_stress`; with EstimateWindowError too
+ *   `strength_total_error` [Pa], the root of the squares of both
  * - `end`: stress-fell, severed, nothing-breaks, maximum-strain or maximum-broken; `end_reason`: the same as a sentence
  * - of the state: `strain`, `stress` [Pa], `broken_bonds`, `hinges`, `state_iterations`
  * - `load`, `compression` (0 or 1), `load_axis`, `method`, `breaking`, `section_area`, `gauge_length`, `platen_layers`
@@ -155,6 +159,26 @@ public:
    * @advanced
    */
   vtkSwitchMacro(EstimateWindowError, false);
+
+  /**
+   * Also tell how the strength changes where the surfaces between solid and void lie elsewhere, as far as the picture's
+   * segmentation leaves it open: by pulling the sample twice more to its peak, its solid grown and shrunk. Rough. Needs
+   * a picture that was segmented, or the doubt in pixels. On one process.
+   * @word segmentation-error
+   * @group Accuracy and cost
+   * @advanced
+   */
+  vtkSwitchMacro(EstimateSegmentationError, false);
+
+  /**
+   * How far surfaces between phases may lie from where the picture has them [pixels], for the segmentation error; 0:
+   * what the picture's segmentation told of itself.
+   * @group Accuracy and cost
+   * @range [0, 10]
+   * @unset 0
+   * @advanced
+   */
+  vtkSettingMacro(SurfaceDoubt, double, 0);
 
   ///@{
   /**

@@ -46,6 +46,11 @@ class FractureResult(BreakInputs, BreakResult, WindowErrors):
     strength_exponent: float = told(
         "Strength is in proportion to volume (of a picture its area) to this power, by the windows' means; rough. NaN"
         " unless a window error was asked for.")
+    segmentation_error: float = told(
+        "How far the strength may be off because surfaces between solid and void lie elsewhere [Pa]; rough. NaN unless it was asked"
+        " for.", "strength_segmentation_error")
+    total_error: float = told(
+        "The root of the squares of this and of the window's error [Pa]; NaN unless both were asked for.", "strength_total_error")
     weibull_modulus: float = told("Weibull's modulus by the scatter of the windows' strengths; rough. NaN likewise.")
 
     @property
