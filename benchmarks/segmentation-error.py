@@ -123,6 +123,8 @@ def stiffness_rows(group, name, directions, sample, truth, names, border, materi
     for direction in directions:
         key = "E_" + direction
         value = found.constants[key]
+        if not true[key] > 0:  # grains that do not touch
+            continue
         yield {"group": f"E, {border} pixels cropped, {group}", "case": name, "quantity": key, "direction": direction, "found": solid.mean(),
                "true": truth.mean(), "value": value, "truth": true[key], "error": abs(value / true[key] - 1),
                "bar": found.segmentation_errors[key] / value, "doubt": doubt, "material": material and material[key],

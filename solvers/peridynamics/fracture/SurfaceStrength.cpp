@@ -1,6 +1,7 @@
 #include "peridynamics/fracture/SurfaceStrength.h"
 
 #include "core/Error.h"
+#include "lattice/LabelShares.h"
 #include "lattice/SurfaceMotions.h"
 #include "peridynamics/fracture/WindowStrength.h"
 
@@ -53,6 +54,51 @@ std::vector<int> gains(const Lattice& lattice, std::span<const std::uint8_t> sol
     gain[i] = std::max(0, static_cast<int>(std::lround(levelsAPixel * growth)));
   }
   return gain;
+}
+
+/// The nodes of a sample, each of a phase and of a grain.
+struct Nodes
+{
+  std::vector<std::uint8_t> phase;
+  std::vector<std::int32_t> grain; ///< or empty
+};
+
+/// Where the smooth surface through the labels (lattice/LabelShares.h) lies within the step of the middle of a node
+/// that it would pass, the node changes sides: into a solid that is next to it, or into a void.
+/// @param shares of the solid  @param step outwards, or inwards where negative
+Nodes passed(const Lattice& lattice, Nodes nodes, std::span<const std::uint8_t> solid,
+  std::span<const std::uint8_t> shares, std::uint8_t empty, double step)
+{
+  const Nodes before = nodes;
+  const double least = (0.5 - step) * (shareLevels - 1); // that a node must hold to be solid
+  for (std::size_t i = 0; i < solid.size(); ++i)
+  {
+    const bool holds = shares[i] >= least;
+    if (step < 0 && solid[i] != 0 && !holds)
+      nodes.phase[i] = empty;
+    if (!(step > 0) || solid[i] != 0 || !holds)
+      continue;
+    const auto n = static_cast<std::int64_t>(i);
+    std::array<std::int64_t, 3> place{ n % lattice.size[0], n / lattice.size[0] % lattice.size[1],
+      n / (lattice.size[0] * lattice.size[1]) };
+    for (int side = 0; side < 2 * lattice.dimension; ++side)
+    {
+      const auto axis = static_cast<std::size_t>(side / 2);
+      const std::int64_t at = place[axis] + (side % 2 == 0 ? -1 : 1);
+      if (at < 0 || at >= lattice.size[axis])
+        continue;
+      std::array<std::int64_t, 3> next = place;
+      next[axis] = at;
+      const auto j = static_cast<std::size_t>(lattice.index(next[0], next[1], next[2]));
+      if (solid[j] == 0)
+        continue;
+      nodes.phase[i] = before.phase[j];
+      if (!nodes.grain.empty())
+        nodes.grain[i] = before.grain[j];
+      break;
+    }
+  }
+  return nodes;
 }
 
 /// Energy of a node in a flat surface over that of one inside, under a strain along the surface.
@@ -135,14 +181,20 @@ SurfaceStrengths surfaceStrengths(const BondModel& model, const Lattice& lattice
   std::array<bool, 256> isVoid{};
   for (const std::uint8_t id : model.voids)
     isVoid[id] = true;
-  std::vector<std::uint8_t> solid(phase.size());
-  std::ranges::transform(
-    phase, solid.begin(), [&](std::uint8_t id) { return static_cast<std::uint8_t>(isVoid[id] ? 0 : 1); });
-  const std::vector<int> gain =
-    lattice.dimension == 3 ? gains<3>(lattice, solid, model.periodic) : gains<2>(lattice, solid, model.periodic);
-  if (std::ranges::none_of(gain, [](int g) { return g > 0; }))
+  const auto solidOf = [&](std::span<const std::uint8_t> ids)
+  {
+    std::vector<std::uint8_t> solid(ids.size());
+    std::ranges::transform(
+      ids, solid.begin(), [&](std::uint8_t id) { return static_cast<std::uint8_t>(isVoid[id] ? 0 : 1); });
+    return solid;
+  };
+  const std::vector<std::uint8_t> solid = solidOf(phase);
+  const auto bare = std::ranges::find(solid, std::uint8_t{ 0 });
+  if (bare == solid.end())
     throw ParameterError("a segmentation error of a strength without a surface between solid and void",
       "surfaces between two solids are not moved: leave it out");
+  const std::uint8_t empty = phase[static_cast<std::size_t>(bare - solid.begin())];
+  const std::vector<std::uint8_t> shares = labelShares(lattice, solid, 1, model.periodic, options.threads);
   SurfaceStrengths found{ std::min(doubt, mostStep) };
   FractureStudyOptions own = toThePeak(options);
   const Communicator alone(MPI_COMM_SELF);
@@ -155,16 +207,24 @@ SurfaceStrengths surfaceStrengths(const BondModel& model, const Lattice& lattice
     told.share = (done + p.share) / 2;
     return options.fracture.progress(told);
   };
+  const Nodes asFound{ { phase.begin(), phase.end() }, { grain.begin(), grain.end() } };
   for (const auto& [step, peak] : { std::pair{ found.step, &found.grown }, { -found.step, &found.shrunk } })
   {
-    const Regrown moved = regrown(model, lattice, phase, gain, step);
+    const Nodes nodes = passed(lattice, asFound, solid, shares, empty, step);
+    const std::vector<std::uint8_t> now = solidOf(nodes.phase);
+    const Regrown moved = regrown(model, lattice, nodes.phase,
+      lattice.dimension == 3 ? gains<3>(lattice, now, model.periodic) : gains<2>(lattice, now, model.periodic), step);
     try
     {
-      *peak = studyFracture(moved.model, lattice, moved.phase, grain, own, alone).peak.stress;
+      *peak = studyFracture(moved.model, lattice, moved.phase, nodes.grain, own, alone).peak.stress;
+    }
+    catch (const NoPathError&)
+    {
+      *peak = 0;
     }
     catch (const InputError&)
     {
-      *peak = 0; // hinges
+      *peak = 0; // but hinges
     }
     done += 1;
   }

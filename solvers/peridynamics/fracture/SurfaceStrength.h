@@ -18,11 +18,12 @@ struct SurfaceStrengths
   double shrunk = 0;
 };
 
-/// The nodes stay; those at a surface hold more of the solid, or less, by what their voxel gains where the surface
-/// moves by its normal (lattice/SurfaceMotions.h), in halves. A bond is stiffer by the mean of its two ends' gains, and
-/// breaks where it did; over twice the share of energy that a node in a flat surface has of one inside, under a strain
-/// along the surface: so a straight wall carries as much more as it is thicker. Surfaces between two solids stay.
-/// Each runs until its stress has fallen to nine tenths of its peak, and writes nothing.
+/// Nodes that the smooth surface through the labels (lattice/LabelShares.h) passes change sides. Those at a surface
+/// then hold more of the solid, or less, by what their voxel gains where the surface moves by its normal
+/// (lattice/SurfaceMotions.h), in halves. A bond is stiffer by the mean of its two ends' gains, and breaks where it
+/// did; over twice the share of energy that a node in a flat surface has of one inside, under a strain along the
+/// surface: so a straight wall carries as much more as it is thicker. Surfaces between two solids stay. Each runs until
+/// its stress has fallen to nine tenths of its peak, and writes nothing.
 ///
 /// @param phase, grain of the whole sample: on one rank
 /// @param options as of the sample
