@@ -958,6 +958,13 @@ class Bonds(unittest.TestCase):
         self.assertAlmostEqual(asked.input_errors["first_break_stress"] / asked.first_break_stress, 0.05, places=4)
         torn = lamella.fracture(bar, {"stone": 2e9}, critical_stretch={"stone": 1e-3}, sensitivity=True, max_broken=1)
         self.assertAlmostEqual(torn.relative_sensitivity["first_break_stress"]["critical-stretch:stone"], 1, places=6)
+        asked_for = ("segmentation_error", "total_error", "strength_exponent", "weibull_modulus")
+        self.assertTrue(all(np.isnan(getattr(torn, name)) for name in asked_for))  # nothing was
+        phase = np.ones((40, 30), int)
+        phase[15:22, 12:19] = 0
+        cell = lamella.from_array(phase, ["void", "stone"], spacing=1e-3)
+        torn = lamella.fracture(cell, {"stone": 2e9}, critical_stretch={"stone": 1e-3}, surface_doubt=0.1, stop=0.9)
+        self.assertTrue(0 < torn.segmentation_error < 0.2 * torn.peak_stress)
         self.assertEqual(result.warnings, [])
         np.testing.assert_array_equal(lamella.bond_stress(result).stress, result.stress)
         half = lamella.bond_stress(result, {"stone": 1e9})

@@ -43,15 +43,18 @@ class FractureResult(BreakInputs, BreakResult, WindowErrors):
     critical_stress: Array = told(
         "Curve that follows every snap-back: stress at ``critical_strain`` [Pa].", by="_column")
 
+    def _asked(self, name):
+        return float("nan") if self._numbers(name) is None else self._number(name)
+
     strength_exponent: float = told(
         "Strength is in proportion to volume (of a picture its area) to this power, by the windows' means; rough. NaN"
-        " unless a window error was asked for.")
+        " unless a window error was asked for.", by="_asked")
     segmentation_error: float = told(
         "How far the strength may be off because surfaces between solid and void lie elsewhere [Pa]; rough. NaN unless it was asked"
-        " for.", "strength_segmentation_error")
+        " for.", "strength_segmentation_error", by="_asked")
     total_error: float = told(
-        "The root of the squares of this and of the window's error [Pa]; NaN unless both were asked for.", "strength_total_error")
-    weibull_modulus: float = told("Weibull's modulus by the scatter of the windows' strengths; rough. NaN likewise.")
+        "The root of the squares of this and of the window's error [Pa]; NaN unless both were asked for.", "strength_total_error", by="_asked")
+    weibull_modulus: float = told("Weibull's modulus by the scatter of the windows' strengths; rough. NaN likewise.", by="_asked")
 
     @property
     def broken(self) -> Array:
