@@ -134,6 +134,10 @@ public:
       if (one.acrossUncertainty > 0)
         filter_->SetConductivityAcrossUncertainty(one.phase.c_str(), one.acrossUncertainty);
     }
+    if (options.conductivity.empty() && filter_->GetNumberOfConductivityTensors() == 0 &&
+      !isVtkImage(options.picture.file)) // which may have tensors of its voxels
+      throw ParameterError("--conductivity is missing",
+        "add --conductivity NAME=VALUE of every phase; lamella diffusion --help tells more");
     fields_ = !options.output.empty();
     requireImage(options.output);
     report_.file = options.picture.file;
