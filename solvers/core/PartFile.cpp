@@ -14,6 +14,8 @@
 #include <csignal>
 #include <cstdint>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <mutex>
 #include <set>
 #include <string>
@@ -76,6 +78,18 @@ pid_t processOf(std::string_view name)
   return fault == std::errc() && end != name.data() + name.size() && *end == '-' && process > 0 ? process : 0;
 }
 
+/// Whether a process has ended, also where nobody has asked for its exit code yet: orphans stay like that for a while,
+/// and for ever in a container whose first process never asks.
+bool ended(pid_t process)
+{
+  if (::kill(process, 0) != 0)
+    return errno == ESRCH;
+  std::ifstream file(fmt::format("/proc/{}/stat", process));
+  const std::string text{ std::istreambuf_iterator<char>(file), {} };
+  const std::size_t name = text.rfind(')'); // it may hold anything
+  return name != std::string::npos && text.compare(name, 3, ") Z") == 0;
+}
+
 /// What processes left that were killed. Once for a folder.
 void removeLeft(const fs::path& folder)
 {
@@ -88,7 +102,7 @@ void removeLeft(const fs::path& folder)
   for (fs::directory_iterator at(folder, failed); !failed && at != fs::directory_iterator(); at.increment(failed))
   {
     const pid_t process = processOf(at->path().filename().string());
-    if (process > 0 && ::kill(process, 0) != 0 && errno == ESRCH)
+    if (process > 0 && ended(process))
       ::unlink(at->path().c_str());
   }
 }

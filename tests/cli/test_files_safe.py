@@ -52,10 +52,14 @@ class Names(Case):
     def test_what_killed_runs_leave_is_removed(self):
         with subprocess.Popen(["true"]) as process:
             process.wait()
+        orphan = subprocess.Popen(["true"])
+        self.addCleanup(orphan.wait)
+        os.waitid(os.P_PID, orphan.pid, os.WEXITED | os.WNOWAIT)  # it has ended, and nobody has asked how
         dead = ".lamella-%s-%d-0-k.vti" % (here(), process.pid)
+        unasked = ".lamella-%s-%d-0-k.vti" % (here(), orphan.pid)
         mine = ".lamella-%s-%d-0-k.vti" % (here(), os.getpid())
         others = ".lamella-%s-%d-0-k.vti" % ("00000000" if here() != "00000000" else "1" * 8, process.pid)
-        for name in [dead, mine, others, ".lamella-x", "precious"]:
+        for name in [dead, unasked, mine, others, ".lamella-x", "precious"]:
             self.write(name, b"part")
         self.works("generate", "honeycomb", "--size", "32,32", "-o", "h.png")
         self.assertEqual(sorted(os.listdir(self.folder)), sorted([mine, others, ".lamella-x", "precious", "p.png", "h.png"]))
