@@ -40,15 +40,18 @@ TWO = ["--young", "matrix=1e10", "--young", "inclusion=1e9", "--like", "inclusio
 TISSUE = ["generate", "softwood", "--solid-fraction", "0.5", "--seed", "1", "--size"]
 STONES = ["generate", "spheres", "--solid-fraction", "0.4", "--size"]
 SAMPLES = {
-    "large": {"tissue.png": [*TISSUE, "120,120"], "lean.png": [*TISSUE, "60,60"], "stones.vti": [*STONES, "32,32,32"]},
-    "small": {"tissue.png": [*TISSUE, "40,40"], "lean.png": [*TISSUE, "40,40"], "stones.vti": [*STONES, "16,16,16"]},
+    "large": {"tissue.png": [*TISSUE, "60,60"], "stones.vti": [*STONES, "32,32,32"], "grains.vtp": ["packing", "--count", "60", "--seed", "1", "--quiet"],
+              "cemented.vti": ["bridges", "grains.vtp", "--saturation", "34%", "--nodes", "160", "--quiet"]},
+    "small": {"tissue.png": [*TISSUE, "40,40"], "stones.vti": [*STONES, "16,16,16"]},
 }
+GRAINS = ["--young", "matrix=1e9", "--young", "grain=4e9", "--toughness", "matrix=1e5", "--toughness", "grain=4e5", "--like", "matrix-grain=matrix",
+          "--like", "grain-grain=matrix"]
 # name: ranks, what it runs at either size, between checkpoints, ending of its fields, whether it lists broken bonds
 COMMANDS = {
-    "fracture": ((1,), {"large": ["tissue.png", *WALL], "small": ["tissue.png", *WALL]}, "15", "vti", True),
-    "fracture-accurate": ((1, 2), {"large": ["lean.png", *WALL, "--method", "accurate"],
-                                   "small": ["lean.png", *WALL, "--method", "accurate", "--max-broken", "40"]}, "4", "vti", True),
-    "compression": ((1, 2), {"large": ["lean.png", "--fit-platens", "--strain", "0.05"],
+    "fracture": ((1,), {"large": ["cemented.vti", *GRAINS], "small": ["tissue.png", *WALL]}, "15", "vti", True),
+    "fracture-accurate": ((1, 2), {"large": ["tissue.png", *WALL, "--method", "accurate"],
+                                   "small": ["tissue.png", *WALL, "--method", "accurate", "--max-broken", "40"]}, "4", "vti", True),
+    "compression": ((1, 2), {"large": ["tissue.png", "--fit-platens", "--strain", "0.1"],
                              "small": ["tissue.png", "--fit-platens", "--strain", "0.03", "--first-speed", "1e-2"]}, "100", "vtp", False),
     "dynamics": ((1, 2), {"large": ["stones.vti", *TWO], "small": ["stones.vti", *TWO]}, "20", "vti", True),
 }
@@ -180,13 +183,13 @@ def processes(process, ranks):
     return children(process.pid) if ranks > 1 else [process.pid]
 
 
-def part(folder):
-    with os.scandir(folder) as entries:
-        return any(entry.name.startswith(".lamella-") for entry in entries)
+def parts(folder):
+    """Files that are being written, or that somebody who was killed has left."""
+    return {name for name in os.listdir(folder) if name.startswith(".lamella-")}
 
 
-def kill(scene, process, draw, writing):
-    """Waits for a moment and kills. @return whether it came in time"""
+def kill(scene, process, draw, writing, left):
+    """Waits for a moment and kills. `left`: by others before. @return whether it came in time"""
     share = scene.seconds / max(1, scene.count)
     behind = draw.randrange(max(1, min(scene.count, 12)))
     pause = draw.uniform(0, 2 * share) if not writing else draw.uniform(0, 0.002) if draw.random() < 0.5 else 0
@@ -195,7 +198,7 @@ def kill(scene, process, draw, writing):
     seen, last = 0, None
     limit = time.monotonic() + LONGEST
     while process.poll() is None and time.monotonic() < limit:
-        if seen >= behind and (not writing or part(scene.kept)):
+        if seen >= behind and (not writing or parts(scene.kept) - left):
             break
         try:
             now = os.stat(scene.file).st_mtime_ns
@@ -227,9 +230,10 @@ def row(scene, name, times, draw):
     faults = list(scene.faults)
     while kills < times:
         process = scene.begin(True)
-        if kill(scene, process, draw, kills % 2 == 1):
+        left = parts(scene.kept)
+        if kill(scene, process, draw, kills % 2 == 1, left):
             kills += 1
-            cut += part(scene.kept)
+            cut += bool(parts(scene.kept) - left)
             early += not scene.file.exists()
             if scene.file.exists() and not whole(scene.file):
                 faults.append(f"kill {kills}: the checkpoint is not whole")
@@ -239,7 +243,7 @@ def row(scene, name, times, draw):
         # killed often enough, or it was at its end before
         faults += scene.differences(scene.results(scene.ended(process)), f"after {kills} kills")
         runs += 1
-        if part(scene.kept) or part(scene.folder):
+        if parts(scene.kept) | parts(scene.folder):
             faults.append(f"after {kills} kills: a file half written is left")
         scene.again()
     for fault in faults:

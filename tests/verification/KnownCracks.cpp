@@ -87,9 +87,10 @@ TEST(KnownCracks, PennyInSpace)
     radii.push_back(std::cbrt(added * volume / 6)); // of the crack that adds as much
     EXPECT_NEAR(radii.back(), radius, 0.15);        // which columns of nodes a circle holds goes by leaps
   }
-  // K² is the energy set free by a unit of area: 0.7 % above the solution's K
+  // K² is the energy set free by a unit of area, Gc where the crack just grows: 1.4 % above the solution's, K 0.7 %
   const double square = (std::pow(radii[2], 3) - std::pow(radii[0], 3)) / (std::pow(8.0, 3) - std::pow(5.0, 3));
-  EXPECT_NEAR(std::sqrt(square), 1, 0.02);
+  EXPECT_NEAR(square, 1, 0.02);
+  EXPECT_NEAR(std::sqrt(square), 1, 0.01);
 }
 
 // Cracks of half length a in a row W apart: K = σ √(W tan(π a/W)) under tension across them, τ in place of σ under
