@@ -46,6 +46,7 @@ SAMPLES = {
 }
 GRAINS = ["--young", "matrix=1e9", "--young", "grain=4e9", "--toughness", "matrix=1e5", "--toughness", "grain=4e5", "--like", "matrix-grain=matrix",
           "--like", "grain-grain=matrix"]
+HEAT = ["--diffusivity", "wall=1.8e-7", "--diffusivity", "lumen=2.2e-5"]
 # name: ranks, what it runs at either size, between checkpoints, ending of its fields, whether it lists broken bonds
 COMMANDS = {
     "fracture": ((1,), {"large": ["cemented.vti", *GRAINS], "small": ["tissue.png", *WALL]}, "15", "vti", True),
@@ -54,9 +55,10 @@ COMMANDS = {
     "compression": ((1, 2), {"large": ["tissue.png", "--fit-platens", "--strain", "0.1"],
                              "small": ["tissue.png", "--fit-platens", "--strain", "0.03", "--first-speed", "1e-2"]}, "100", "vtp", False),
     "dynamics": ((1, 2), {"large": ["stones.vti", *TWO], "small": ["stones.vti", *TWO]}, "20", "vti", True),
+    "transient": ((1, 2), {"large": ["tissue.png", *HEAT, "--at-time", "2e-4"], "small": ["tissue.png", *HEAT, "--at-time", "1e-5"]}, "100", "vti", False),
 }
 # of what a run prints, what depends on how often it was begun
-OTHERWISE = re.compile(r".*_seconds$|statistics$|provenance$|continued_at$|states_before$|.*checkpoints?$|updates_per_second$|threads$|warnings$|seconds$|(peak_memory_)?bytes$|curve$")
+OTHERWISE = re.compile(r".*_seconds$|statistics$|provenance$|continued_at$|states_before$|.*checkpoints?$|updates_per_second$|threads$|warnings?$|written$|seconds$|(peak_memory_)?bytes$|curve$")
 
 
 def whole(path):
@@ -115,23 +117,24 @@ class Scene:
 
     def __init__(self, program, folder, name, ranks, size):
         _, words, every, ending, breaks = COMMANDS[name]
-        self.folder, self.ranks, self.program = folder, ranks, program
+        self.folder, self.ranks, self.program, self.ending = folder, ranks, program, ending
         self.exact, self.apart = name != "compression" or ranks == 1, 0.0
         self.kept = folder / "kept"
         self.file = self.kept / "run.h5"
         outputs = ["-o", f"out.{ending}", "--curve", "curve.csv", *(["--broken", "broken.vtp"] if breaks else [])]
         launcher = [*MPIEXEC, str(ranks)] if ranks > 1 else []
         self.command = [*launcher, program, name.split("-")[0], *words[size], "--checkpoint-every", every, *outputs, "--overwrite", "--json"]
-        self.outputs = [word for word in outputs if "." in word]
+        self.tables = [word for word in outputs if word in ("curve.csv", "broken.vtp")]
         # ranks that wait for each other let others work meanwhile
         self.environment = {**os.environ, "OMP_NUM_THREADS": "1", "OMPI_MCA_mpi_yield_when_idle": "1"}
         start = time.monotonic()
         self.expected = self.results(self.ended(self.begin(False)))
         self.seconds = time.monotonic() - start
+        self.again()
         # how many checkpoints there are, by a run that writes them: it must give the same
         done = self.ended(self.begin(True))
         self.count = json.loads(done)["checkpoints"]
-        self.faults = self.differences(self.results(done), "undisturbed with checkpoints")
+        self.faults = self.differences(self.results(done), "not killed, with checkpoints")
         self.again()
 
     def begin(self, checkpoints):
@@ -146,16 +149,22 @@ class Scene:
             sys.exit(f"{' '.join(process.args)}: exit code {code}\n" + (self.folder / "err").read_text(errors="replace"))
         return (self.folder / "out").read_text()
 
+    def fields(self):
+        return sorted(path.name for path in self.folder.glob(f"out*.{self.ending}"))
+
     def again(self):
+        """Takes away all that a run has left."""
         shutil.rmtree(self.kept)
+        for name in [*self.fields(), *self.tables]:
+            (self.folder / name).unlink()
 
     def results(self, out):
         """Arrays of points, cells and fields as they are stored, the text of tables, and what was printed."""
         found = values(json.loads(out))
         if not self.exact:
-            subprocess.run([self.program, "convert", self.outputs[0], "-o", "fields.csv", "--overwrite"], cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
+            subprocess.run([self.program, "convert", *self.fields(), "-o", "fields.csv", "--overwrite"], cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
             return {key: value for key, value in found.items() if isinstance(value, int)} | {name: table(self.folder / name) for name in ("fields.csv", "curve.csv")}
-        for name in self.outputs:
+        for name in [*self.fields(), *self.tables]:
             text = (self.folder / name).read_text(encoding="utf-8", errors="replace")
             if name.endswith(".csv"):
                 found[name] = text
