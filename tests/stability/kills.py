@@ -58,7 +58,8 @@ COMMANDS = {
     "transient": ((1, 2), {"large": ["tissue.png", *HEAT, "--at-time", "2e-4"], "small": ["tissue.png", *HEAT, "--at-time", "1e-5"]}, "100", "vti", False),
 }
 # of what a run prints, what depends on how often it was begun
-OTHERWISE = re.compile(r".*_seconds$|statistics$|provenance$|continued_at$|states_before$|.*checkpoints?$|updates_per_second$|threads$|warnings?$|written$|seconds$|(peak_memory_)?bytes$|curve$")
+OTHERWISE = re.compile(r".*_seconds$|seconds$|statistics$|provenance$|continued_at$|states_before$|.*checkpoints?$|updates_per_second$|threads$|"
+                       r"warnings?$|written$|(peak_memory_)?bytes$|curve$")  # the curve is compared as a table
 
 
 def whole(path):
@@ -163,7 +164,8 @@ class Scene:
         found = values(json.loads(out))
         if not self.exact:
             subprocess.run([self.program, "convert", *self.fields(), "-o", "fields.csv", "--overwrite"], cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
-            return {key: value for key, value in found.items() if isinstance(value, int)} | {name: table(self.folder / name) for name in ("fields.csv", "curve.csv")}
+            whole_numbers = {key: value for key, value in found.items() if isinstance(value, int)}
+            return whole_numbers | {name: table(self.folder / name) for name in ("fields.csv", "curve.csv")}
         for name in [*self.fields(), *self.tables]:
             text = (self.folder / name).read_text(encoding="utf-8", errors="replace")
             if name.endswith(".csv"):
