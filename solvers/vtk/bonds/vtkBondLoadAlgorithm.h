@@ -130,7 +130,7 @@ public:
   ///@}
   ///@{
   /**
-   * The same of critical stretches.
+   * The same of critical stretches, which are strains.
    * @word critical-stretch-uncertainty
    * @uncertainty critical-stretch
    * @title Uncertainty of critical stretches
