@@ -1,6 +1,7 @@
 #include "lbm/DirectedDiffusivity.h"
 
 #include "core/Error.h"
+#include "core/Plausible.h"
 
 #include <Eigen/Dense>
 #include <fmt/format.h>
@@ -44,6 +45,10 @@ std::array<double, 3> requireTensor(
     refuse(fmt::format("is not positive definite: its least principal value is {:g}", principal[0]),
       "give a tensor whose principal values are all above 0, as those of a material are; of a phase that does not "
       "conduct the conductivity 0");
+  if (!plausible(principal[0]) || !plausible(principal[2]))
+    refuse(
+      fmt::format("has principal values from {:g} to {:g}, not between 1e-30 and 1e30", principal[0], principal[2]),
+      "no material has these; of a phase that does not conduct give the conductivity 0");
   if (principal[2] > mostPrincipal * principal[0])
     refuse(fmt::format("has principal values from {:g} to {:g}", principal[0], principal[2]),
       "keep them within a ratio of 1e6, which single precision carries");

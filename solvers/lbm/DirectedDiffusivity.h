@@ -33,8 +33,8 @@ inline constexpr double mostPrincipal = 1e6;
 
 /// Principal values of a tensor that a material can have. In a picture the values of the third axis do not count.
 /// @param of said of one that it cannot, such as "of phase 'wall'"
-/// @throws ParameterError: not finite, not positive definite, principal values more than mostPrincipal apart, or the
-/// third axis of a picture coupled with the others
+/// @throws ParameterError: not finite, not positive definite, not plausible(), principal values more than mostPrincipal
+/// apart, or the third axis of a picture coupled with the others
 std::array<double, 3> requireTensor(
   const SymmetricTensor<double>& tensor, int dimension, const std::function<std::string()>& of);
 

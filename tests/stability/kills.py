@@ -28,6 +28,7 @@ import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "cli"))
 from program import MPIEXEC, PROGRAM  # noqa: E402
+from tables import write_table  # noqa: E402
 
 LONGEST = 300  # s of one run, on a machine that does much else
 # Points that go on on several ranks are in another order there, in which sums round otherwise; what tests/cli/test_compression.py allows
@@ -282,11 +283,7 @@ def main():
                 print(" | ".join(f"{key} {value}" for key, value in rows[-1].items()), flush=True)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    if "table" in keys and rows:
-        with open(keys["table"], "w", encoding="utf-8", newline="") as file:
-            table = csv.DictWriter(file, rows[0])
-            table.writeheader()
-            table.writerows(rows)
+    write_table(keys, rows)
     faults = sum(line["faults"] for line in rows)
     print(f"{sum(line['kills'] for line in rows)} kills, {sum(line['while writing'] for line in rows)} of them while a checkpoint was written; faults: {faults}")
     return 0 if rows and faults == 0 else 1

@@ -8,7 +8,6 @@ machine does. A row a command: signals sent, the longest and the median time, ho
 left of how many it should have. The last line says whether the longest of all is within 2 s; the exit code is 1 if not.
 """
 
-import csv
 import os
 import random
 import re
@@ -18,6 +17,8 @@ import subprocess
 import sys
 import tempfile
 import time
+
+from tables import write_table
 
 LIMIT = 2.0
 LOST = 60.0  # s of processor time after a signal, from which it is not waited for any longer
@@ -157,11 +158,7 @@ def main():
             print(" | ".join(map(str, rows[-1].values())), flush=True)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    if "table" in keys and rows:
-        with open(keys["table"], "w", encoding="utf-8", newline="") as file:
-            table = csv.DictWriter(file, rows[0])
-            table.writeheader()
-            table.writerows(rows)
+    write_table(keys, rows)
     worst = max((float(row["longest [s]"]) for row in rows if row["longest [s]"]), default=0)
     print(f"the longest: {worst:.2f} s; allowed: {LIMIT:g} s")
     return 0 if worst <= LIMIT else 1

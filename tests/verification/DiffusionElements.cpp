@@ -504,6 +504,8 @@ TEST(Elements, TensorsThatNoMaterialHasAreRefused)
     EXPECT_NE(refusal(image, { good, bad }, byVoxel).find("no finite tensor"), std::string::npos);
     bad = Eigen::Vector3d(1, 1, 1e-7).asDiagonal();
     EXPECT_NE(refusal(image, { good, bad }, byVoxel).find("principal values from 1e-07 to 1"), std::string::npos);
+    for (const double size : { 1e-33, 1e33 })
+      EXPECT_NE(refusal(image, { good, size * good }, byVoxel).find("not between 1e-30 and 1e30"), std::string::npos);
     bad = good;
     bad(0, 1) = bad(1, 0) = 1.5;
   }
