@@ -2,7 +2,9 @@
 // large samples. A line a kind, size and property: how many of the intervals of 95 % hold the truth, half their median
 // width, the median error of the pictures' own values, and what the windows cost over the solve.
 //
-// study=conductivity; study=stiffness: Young's moduli, sides straight (as those of the windows are) and periodic;
+// study=conductivity; study=tensors: walls that conduct five times better along a direction askew to the picture, and
+// study=shares: of smoothed labels; study=stiffness: Young's moduli, sides straight (as those of the windows are) and
+// periodic;
 // study=pores: porosity, number and mean size; study=strength: peak stresses of bonds; study=rings: how often the
 // gradient of a growth ring is seen.
 //
@@ -16,6 +18,8 @@
 #include "elasticity/Materials.h"
 #include "elasticity/VoxelStiffness.h"
 #include "lbm/DiffusionStudy.h"
+#include "lbm/DirectedDiffusivity.h"
+#include "lbm/Shares.h"
 #include "peridynamics/fracture/WindowStrength.h"
 #include "pores/PoreWindows.h"
 
@@ -24,6 +28,8 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
+#include <numbers>
 #include <string>
 #include <utility>
 #include <vector>
@@ -34,7 +40,7 @@ namespace
 using namespace lamella;
 using namespace lamella::benchmark;
 
-std::vector<lbm::DiffusionAnswer> solved(const PhaseImage& image, const std::vector<double>& conductivity, bool windows)
+lbm::StudyOptions optionsFor(const PhaseImage& image, bool windows)
 {
   lbm::StudyOptions options;
   options.axes = image.lattice.dimension == 3 ? std::vector{ 0, 1, 2 } : std::vector{ 0, 1 };
@@ -43,7 +49,42 @@ std::vector<lbm::DiffusionAnswer> solved(const PhaseImage& image, const std::vec
   options.steady.maxIterations = 2000;
   if (image.lattice.dimension == 3)
     options.steady.stencil = lbm::Stencil::D3Q7;
-  return lbm::studyDiffusion(image, conductivity, options, MPI_COMM_SELF);
+  return options;
+}
+
+std::vector<lbm::DiffusionAnswer> solved(const PhaseImage& image, const std::vector<double>& conductivity, bool windows)
+{
+  return lbm::studyDiffusion(image, conductivity, optionsFor(image, windows), MPI_COMM_SELF);
+}
+
+/// By a smooth surface through the labels.
+std::vector<lbm::DiffusionAnswer> smoothed(
+  const PhaseImage& image, const std::vector<double>& conductivity, bool windows)
+{
+  return lbm::studyLabels(image, 1, { conductivity[0], conductivity[1] }, optionsFor(image, windows), MPI_COMM_SELF)
+    .answers;
+}
+
+/// The better phase conducts a fifth across a direction that is 30° askew to the picture.
+std::vector<lbm::DiffusionAnswer> askew(const PhaseImage& image, const std::vector<double>& conductivity, bool windows)
+{
+  constexpr double across = 0.2;
+  const double c = std::cos(std::numbers::pi / 6);
+  const double s = std::sin(std::numbers::pi / 6);
+  lbm::DirectedDiffusivity directed{ .along = conductivity, .across = conductivity };
+  directed.source.assign(2, lbm::DirectedDiffusivity::Source::Axial);
+  directed.ofPhase.resize(2);
+  const std::size_t better = conductivity[1] > conductivity[0] ? 1 : 0;
+  const double k = conductivity[better];
+  directed.source[better] = lbm::DirectedDiffusivity::Source::Phase;
+  directed.ofPhase[better] = { k * (c * c + across * s * s), k * (s * s + across * c * c), k * across,
+    k * (1 - across) * c * s, 0, 0 };
+  directed.takeTensors(image.lattice, image.phase);
+  lbm::StudyOptions options = optionsFor(image, windows);
+  options.steady.stencil = lbm::Stencil::Q1;
+  const std::vector<double> larger = directed.larger();
+  options.directed = std::make_shared<const lbm::DirectedDiffusivity>(std::move(directed));
+  return lbm::studyDiffusion(image, larger, options, MPI_COMM_SELF);
 }
 
 double valueOf(const lbm::DiffusionAnswer& answer)
@@ -133,13 +174,19 @@ bool wants(const Keys& keys, const Tissue& tissue)
   return wanted.empty() || tissue.kind == wanted;
 }
 
-/// Pairs of conductivities, of the connected phase and the other one.
-const std::vector<std::pair<std::string, std::array<double, 2>>> pairs{ { "1 : 0.023", { 1, 0.023 } },
-  { "0.004 : 1", { 0.004, 1 } }, { "1 : 0", { 1, 0 } } };
+using ConductionSolve = std::vector<lbm::DiffusionAnswer>(const PhaseImage&, const std::vector<double>&, bool);
 
-void conductivity(const Keys& keys)
+/// Conductivities of the connected phase and of the other one.
+struct Conduction
 {
-  Table table(keys, "window-error", "conductivity", columns);
+  std::string name;
+  std::array<double, 2> conductivity;
+  ConductionSolve* solve = solved;
+};
+
+void conduction(const Keys& keys, const std::string& study, const std::vector<Conduction>& kinds)
+{
+  Table table(keys, "window-error", study, columns);
   Totals totals;
   heading();
   for (const Tissue& tissue : tissues())
@@ -147,12 +194,12 @@ void conductivity(const Keys& keys)
     if (!wants(keys, tissue))
       continue;
     const std::vector<PhaseImage> large = largeSamples(tissue, tissue.large, keys);
-    for (const auto& [name, of] : pairs)
+    for (const auto& [name, of, solve] : kinds)
     {
       const std::vector<double> k = tissue.connected == 1 ? std::vector{ of[1], of[0] } : std::vector{ of[0], of[1] };
       std::array<double, 3> truth{ 0, 0, 0 };
       for (const PhaseImage& image : large)
-        for (const auto& answer : solved(image, k, false))
+        for (const auto& answer : solve(image, k, false))
           truth[static_cast<std::size_t>(answer.axis)] += valueOf(answer) / static_cast<double>(large.size());
       for (const std::int64_t edge : tissue.windows)
       {
@@ -163,7 +210,7 @@ void conductivity(const Keys& keys)
             std::vector<lbm::DiffusionAnswer> answers;
             try
             {
-              answers = solved(picture, k, true);
+              answers = solve(picture, k, true);
             }
             catch (const NoPathError&)
             {
@@ -181,6 +228,24 @@ void conductivity(const Keys& keys)
     }
   }
   tellTotals(totals);
+}
+
+void conductivity(const Keys& keys)
+{
+  conduction(
+    keys, "conductivity", { { "1 : 0.023", { 1, 0.023 } }, { "0.004 : 1", { 0.004, 1 } }, { "1 : 0", { 1, 0 } } });
+}
+
+void tensors(const Keys& keys)
+{
+  conduction(
+    keys, "tensors", { { "1 : 0.023 askew", { 1, 0.023 }, askew }, { "0.004 : 1 askew", { 0.004, 1 }, askew } });
+}
+
+void shares(const Keys& keys)
+{
+  conduction(
+    keys, "shares", { { "1 : 0.023 smooth", { 1, 0.023 }, smoothed }, { "0.004 : 1 smooth", { 0.004, 1 }, smoothed } });
 }
 
 elasticity::VoxelStiffness stiffnessOf(
@@ -377,6 +442,6 @@ void rings(const Keys& keys)
 int main(int argc, char** argv)
 {
   return runStudies(argc, argv,
-    { { "conductivity", conductivity }, { "stiffness", stiffness }, { "pores", poreNumbers }, { "rings", rings },
-      { "strength", strength } });
+    { { "conductivity", conductivity }, { "tensors", tensors }, { "shares", shares }, { "stiffness", stiffness },
+      { "pores", poreNumbers }, { "rings", rings }, { "strength", strength } });
 }

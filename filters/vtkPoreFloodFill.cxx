@@ -100,9 +100,6 @@ struct vtkPoreFloodFill::Work
     const lamella::PhaseIds phases = lamella::phaseIds(input, this->Self->GetInputArrayInformation(0), this->Team);
     const std::uint8_t wanted = lamella::findVoid(phases, this->Self->Phase, "pores");
     const pores::LabelOptions options = this->Options();
-    if (this->Self->EstimateWindowError && this->Team.size() > 1)
-      throw lamella::ParameterError(
-        "a window error on several processes", "take one process, or leave the window error out");
     this->Output->ShallowCopy(input);
 
     const lamella::BoxExchange inward = this->Exchange(this->Whole.held, this->Block);
@@ -148,7 +145,12 @@ struct vtkPoreFloodFill::Work
     lamella::fillSizeDistribution(this->Distribution, labelling.pores(), this->Whole.lattice);
     std::vector<lamella::statistics::WindowError> windows;
     if (this->Self->EstimateWindowError)
-      windows = pores::poreWindows(this->Whole.lattice, ids, wanted, options);
+    {
+      std::vector<std::uint8_t> whole(static_cast<std::size_t>(this->Whole.lattice.count())); // on every rank
+      this->Exchange(this->Block, lamella::Block{ { 0, 0, 0 }, this->Whole.lattice.size })
+        .run<std::uint8_t>(ids, whole);
+      this->Team.agree([&] { windows = pores::poreWindows(this->Whole.lattice, whole, wanted, options); });
+    }
     lamella::setWindowFields(this->Output, windows);
     this->WriteNumbers(sum, options, name);
   }

@@ -106,7 +106,7 @@ public:
   /**
    * Also count the pores of the windows that the image is cut into, halves and thirds of it along each axis, and tell
    * how far it speaks for the material that it was cut out of: intervals that hold the material's porosity, pores per
-   * area or volume, and their mean size with a probability of 95 %. On one process.
+   * area or volume, and their mean size with a probability of 95 %.
    * @word window-error
    * @advanced
    */

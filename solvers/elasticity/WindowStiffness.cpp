@@ -13,9 +13,6 @@ namespace lamella::elasticity
 namespace
 {
 
-// Windows differ by per cents: more digits of them tell nothing.
-constexpr double windowTolerance = 1e-4;
-
 /// The diagonal, and where there are any the constants.
 std::vector<double> valuesOf(const VoxelStiffness& found, std::size_t components)
 {

@@ -33,6 +33,9 @@ struct SubWindows
 /// Into how many parts pictures are cut, the largest windows first.
 inline constexpr std::array windowParts{ 2, 3 };
 
+/// To which their values are found: windows differ by per cents, more digits of them tell nothing.
+inline constexpr double windowTolerance = 1e-3;
+
 /// What a window holds of values, one a node of the picture.
 template <class Value>
 [[nodiscard]] std::vector<Value> cut(const Lattice& from, std::span<const Value> values, const SubWindow& window)

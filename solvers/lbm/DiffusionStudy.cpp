@@ -2,9 +2,9 @@
 
 #include "core/Error.h"
 #include "core/Memory.h"
-#include "lattice/SubWindows.h"
 #include "lattice/Subsample.h"
 #include "lbm/StudyChecks.h"
+#include "lbm/WindowAnswers.h"
 
 #include <fmt/format.h>
 
@@ -27,8 +27,6 @@ constexpr std::array strides{ 2, 3, 4 };
 constexpr std::int64_t fewestAcross = 3;
 // Pictures of a stride that are solved, about; in the plane there are 4, 9 and 16, in space 8, 27 and 64.
 constexpr std::size_t fewPictures = 8;
-// Windows differ by per cents: more digits of them tell nothing.
-constexpr double windowTolerance = 1e-4;
 
 /// The shares of solves in the whole, as far as they can be foreseen, handed on as one share that rises.
 class StudyProgress
@@ -106,7 +104,8 @@ public:
     const int refinement = options_.refinement;
     solvePicture(refinement, answers, !options_.targetError);
     if (options_.windowError)
-      solveWindows(answers);
+      addWindowErrors(answers, image_.lattice, options_,
+        [&](const SubWindow& window, std::span<RefinementStep> steps) { return solveWindow(window, answers, steps); });
     if (options_.targetError)
       refineToTarget(answers);
     else if (options_.estimateError)
@@ -183,6 +182,7 @@ private:
     {
       steady.sides = Sides::Insulated;
       steady.tolerance = std::max(steady.tolerance, windowTolerance);
+      steady.rough = true;
     }
     if (part.stride > 1 || part.window)
       steady.method = Method::Auto; // what suits the picture need not suit a part of it
@@ -430,89 +430,38 @@ private:
     return values;
   }
 
-  /// Mean and scatter of several pictures.
-  static void summarise(RefinementStep& step, const std::vector<double>& values)
-  {
-    const double count = static_cast<double>(values.size());
-    step.pictures = static_cast<int>(values.size());
-    step.value = std::accumulate(values.begin(), values.end(), 0.0) / count;
-    for (const double v : values)
-      step.scatter += (v - step.value) * (v - step.value);
-    step.scatter = count > 1 ? std::sqrt(step.scatter / (count - 1)) : 0;
-  }
-
-  /// The picture's windows along all axes: the answers' window errors.
-  void solveWindows(std::vector<DiffusionAnswer>& answers)
-  {
-    std::vector<statistics::WindowProperty> properties(answers.size());
-    for (const int parts : windowParts)
-    {
-      const SubWindows cuts = subWindows(image_.lattice, parts);
-      if (cuts.windows.size() < 2)
-        continue;
-      std::vector<RefinementStep> steps(answers.size());
-      for (std::size_t i = 0; i < answers.size(); ++i)
-      {
-        steps[i].parts = parts;
-        steps[i].refinement = options_.refinement;
-        properties[i].tilings.push_back({ cuts.counts, {} });
-      }
-      for (const SubWindow& window : cuts.windows)
-        solveWindow(window, answers, steps, properties);
-      for (std::size_t i = 0; i < answers.size(); ++i)
-      {
-        summarise(steps[i], properties[i].tilings.back().values);
-        answers[i].steps.push_back(steps[i]);
-      }
-    }
-    if (properties.front().tilings.empty())
-      return; // too small to be cut
-    for (std::size_t i = 0; i < answers.size(); ++i)
-    {
-      properties[i].value = valueOf(answers[i].result, answers[i].axis);
-      properties[i].seriesAxis = static_cast<std::size_t>(answers[i].axis);
-    }
-    const std::vector<statistics::WindowError> errors =
-      statistics::windowErrors(properties, { .sameSides = options_.steady.sides == Sides::Insulated });
-    for (std::size_t i = 0; i < answers.size(); ++i)
-      answers[i].window = errors[i];
-  }
-
-  /// Along all axes. Where nothing leads across the value is 0.
-  void solveWindow(const SubWindow& window, const std::vector<DiffusionAnswer>& answers,
-    std::vector<RefinementStep>& steps, std::vector<statistics::WindowProperty>& properties)
+  /// Values of one of the picture's windows along all axes.
+  std::vector<double> solveWindow(
+    const SubWindow& window, const std::vector<DiffusionAnswer>& answers, std::span<RefinementStep> steps)
   {
     PhaseImage picture = cut(image_, window);
     std::vector<double> values(answers.size(), 0.0);
-    if (std::ranges::any_of(picture.phase, [&](std::uint8_t id) { return diffusivity_[id] > 0; }))
-    {
-      if (options_.refinement > 1)
-        picture = refine(picture, options_.refinement);
-      Part part;
-      part.first = window.first;
-      part.window = true;
-      const Communicator comm(handleOf(picture.lattice));
-      const std::optional<MembraneIds> membranes =
-        membranesOf(picture, part, options_.refinement, answers.front().axis);
-      SteadyDiffusion solver = solverOf(
-        picture, membranes ? &*membranes : nullptr, part, options_.refinement, false, static_cast<int>(answers.size()));
-      for (std::size_t i = 0; i < answers.size(); ++i)
-      {
-        try
-        {
-          const SteadyResult result = solver.solve(answers[i].axis);
-          values[i] = valueOf(result, answers[i].axis);
-          steps[i].iterations += result.iterations;
-          steps[i].seconds += comm.max(result.setupSeconds + result.solveSeconds);
-        }
-        catch (const NoPathError&)
-        {
-        }
-        steps[i].nodes += picture.lattice.count();
-      }
-    }
+    if (std::ranges::none_of(picture.phase, [&](std::uint8_t id) { return diffusivity_[id] > 0; }))
+      return values;
+    if (options_.refinement > 1)
+      picture = refine(picture, options_.refinement);
+    Part part;
+    part.first = window.first;
+    part.window = true;
+    const Communicator comm(handleOf(picture.lattice));
+    const std::optional<MembraneIds> membranes = membranesOf(picture, part, options_.refinement, answers.front().axis);
+    SteadyDiffusion solver = solverOf(
+      picture, membranes ? &*membranes : nullptr, part, options_.refinement, false, static_cast<int>(answers.size()));
     for (std::size_t i = 0; i < answers.size(); ++i)
-      properties[i].tilings.back().values.push_back(values[i]);
+    {
+      try
+      {
+        const SteadyResult result = solver.solve(answers[i].axis);
+        values[i] = valueOf(result, answers[i].axis);
+        steps[i].iterations += result.iterations;
+        steps[i].seconds += comm.max(result.setupSeconds + result.solveSeconds);
+      }
+      catch (const NoPathError&)
+      {
+      }
+      steps[i].nodes += picture.lattice.count();
+    }
+    return values;
   }
 
   /// Adds what the iteration leaves.

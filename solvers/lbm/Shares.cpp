@@ -3,13 +3,16 @@
 #include "core/Error.h"
 #include "lattice/LabelShares.h"
 #include "lattice/SpacingError.h"
+#include "lattice/SubWindows.h"
 #include "lattice/Subsample.h"
+#include "lbm/WindowAnswers.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -197,6 +200,12 @@ PhaseImage smoothed(const PhaseImage& labels, std::uint8_t second, Sides sides, 
 class ShareStudy
 {
 public:
+  struct Found
+  {
+    DiffusionAnswer answer;
+    AcrossSurface rule = AcrossSurface::Series;
+  };
+
   ShareStudy(double first, double second, const StudyOptions& options, MPI_Comm comm, const FieldSink& sink)
     : first_(first)
     , second_(second)
@@ -207,12 +216,13 @@ public:
   }
 
   /// @param seen  what labels of twice the spacing, each from other nodes, make of the same; ids among evenShares()
-  DiffusionAnswer along(
-    int axis, const PhaseImage& image, std::span<const double> share, std::span<const PhaseImage> seen = {})
+  Found along(int axis, const PhaseImage& image, std::span<const double> share, std::span<const PhaseImage> seen = {})
   {
-    DiffusionAnswer answer;
+    Found found;
+    DiffusionAnswer& answer = found.answer;
     answer.axis = axis;
-    AcrossSurface rule = ruleFor(betterPercolates(axis, image, share, 0.5));
+    AcrossSurface& rule = found.rule;
+    rule = ruleFor(betterPercolates(axis, image, share, 0.5));
     // What leads from face to face by nodes that it fills in part may do so nowhere in the material (grains that
     // touch): both rules are tried on coarser nodes, and the other one is taken if it changes less.
     const bool sure = rule == AcrossSurface::Series;
@@ -263,7 +273,7 @@ public:
     answer.result = solve(answer, image, share, rule, 1, static_cast<bool>(sink_));
     answer.steps.insert(answer.steps.end(), before.begin(), before.end());
     if (!options_.estimateError || !half)
-      return answer; // or too few nodes to tell
+      return found; // or too few nodes to tell
     const double value = valueOf(answer.result, axis);
     double fine = value; // of what the coarse picture shows
     const Window even = evenPart(image.lattice);
@@ -277,14 +287,30 @@ public:
     const double mean = *coarse[at(rule)]; // of all labels; 0: nothing leads from face to face
     double squares = 0;
     for (const PhaseImage& labels : seen)
-      squares += std::pow((valueOrNone(answer, labels, shares, rule) - mean) / (mean > 0 ? mean : fine), 2);
+      squares += std::pow((valueOrNone(answer, labels, shares, rule, 2) - mean) / (mean > 0 ? mean : fine), 2);
     if (!seen.empty())
     {
       answer.error.picture = labelCertainty * std::sqrt(squares / static_cast<double>(seen.size()));
       answer.error.relative = answer.error.lattice + answer.error.picture;
     }
     answer.error.extrapolated = value / fine * error.extrapolated;
-    return answer;
+    return found;
+  }
+
+  /// Value of a part of the picture by itself, added to the step; 0 where nothing leads across.
+  double part(
+    int axis, const PhaseImage& image, std::span<const double> share, AcrossSurface rule, RefinementStep& step)
+  {
+    DiffusionAnswer answer;
+    answer.axis = axis;
+    const double value = valueOrNone(answer, image, share, rule, 1);
+    for (const RefinementStep& solve : answer.steps)
+    {
+      step.iterations += solve.iterations;
+      step.seconds += solve.seconds;
+    }
+    step.nodes += image.lattice.count();
+    return value;
   }
 
   // Without a rest, or leaving the last nodes of odd sides out; half of them have to tell something.
@@ -301,12 +327,12 @@ private:
   }
 
   // 0 where nothing leads from face to face.
-  double valueOrNone(
-    DiffusionAnswer& answer, const PhaseImage& image, std::span<const double> share, AcrossSurface rule) const
+  double valueOrNone(DiffusionAnswer& answer, const PhaseImage& image, std::span<const double> share,
+    AcrossSurface rule, int every) const
   {
     try
     {
-      return valueOf(solve(answer, image, share, rule, 2, false), answer.axis);
+      return valueOf(solve(answer, image, share, rule, every, false), answer.axis);
     }
     catch (const NoPathError&)
     {
@@ -493,6 +519,41 @@ private:
   const FieldSink& sink_;
 };
 
+/// A direction with the picture that was solved along it.
+struct Solved
+{
+  AcrossSurface rule = AcrossSurface::Series;
+  std::shared_ptr<const PhaseImage> image;
+};
+
+/// The windows of the pictures, by the picture's own rules, with insulated sides. @param solved by answer
+void addWindows(std::vector<DiffusionAnswer>& answers, std::span<const Solved> solved, std::span<const double> share,
+  double first, double second, const StudyOptions& options, MPI_Comm comm)
+{
+  StudyOptions own;
+  own.steady = options.steady;
+  own.steady.sides = Sides::Insulated;
+  own.steady.tolerance = std::max(own.steady.tolerance, windowTolerance);
+  own.steady.rough = true;
+  own.steady.method = Method::Auto; // what suits the picture need not suit a part of it
+  const FieldSink none;
+  ShareStudy study(first, second, own, comm, none);
+  addWindowErrors(answers, solved.front().image->lattice, options,
+    [&](const SubWindow& window, std::span<RefinementStep> steps)
+    {
+      std::vector<double> values;
+      PhaseImage part;
+      const PhaseImage* of = nullptr; // of the part
+      for (std::size_t i = 0; i < solved.size(); ++i)
+      {
+        if (solved[i].image.get() != of)
+          part = cut(*(of = solved[i].image.get()), window);
+        values.push_back(study.part(answers[i].axis, part, share, solved[i].rule, steps[i]));
+      }
+      return values;
+    });
+}
+
 } // namespace
 
 std::vector<DiffusionAnswer> studyShares(const PhaseImage& image, std::span<const double> share, double first,
@@ -500,8 +561,15 @@ std::vector<DiffusionAnswer> studyShares(const PhaseImage& image, std::span<cons
 {
   ShareStudy study(first, second, options, comm, sink);
   std::vector<DiffusionAnswer> answers;
+  std::vector<Solved> solved;
   for (const int axis : options.axes)
-    answers.push_back(study.along(axis, image, share));
+  {
+    ShareStudy::Found found = study.along(axis, image, share);
+    answers.push_back(std::move(found.answer));
+    solved.push_back({ found.rule, { std::shared_ptr<void>(), &image } });
+  }
+  if (options.windowError)
+    addWindows(answers, solved, share, first, second, options, comm);
   return answers;
 }
 
@@ -512,13 +580,14 @@ LabelAnswers studyLabels(const PhaseImage& labels, std::uint8_t second, const st
   const std::vector<double> share = evenShares();
   const Sides sides = options.steady.sides;
   LabelAnswers found;
-  PhaseImage image;
+  std::shared_ptr<const PhaseImage> image;
   std::vector<PhaseImage> seen;
+  std::vector<Solved> solved;
   for (const int axis : options.axes)
   {
-    if (image.phase.empty() || sides == Sides::Mixed) // which goes on elsewhere along each axis
+    if (!image || sides == Sides::Mixed) // which goes on elsewhere along each axis
     {
-      image = smoothed(labels, second, sides, axis, options.steady.threads);
+      image = std::make_shared<PhaseImage>(smoothed(labels, second, sides, axis, options.steady.threads));
       seen.clear();
       if (options.estimateError && ShareStudy::canHalve(labels.lattice, false))
       {
@@ -532,15 +601,20 @@ LabelAnswers studyLabels(const PhaseImage& labels, std::uint8_t second, const st
         }
       }
     }
-    found.answers.push_back(study.along(axis, image, share, seen));
+    ShareStudy::Found along = study.along(axis, *image, share, seen);
+    found.answers.push_back(std::move(along.answer));
+    if (options.windowError)
+      solved.push_back({ along.rule, image });
     if (found.answers.size() == 1)
     {
       std::int64_t sum = 0;
-      for (const std::uint8_t id : image.phase)
+      for (const std::uint8_t id : image->phase)
         sum += id;
-      found.second = static_cast<double>(sum) / ((shareLevels - 1) * static_cast<double>(image.phase.size()));
+      found.second = static_cast<double>(sum) / ((shareLevels - 1) * static_cast<double>(image->phase.size()));
     }
   }
+  if (options.windowError)
+    addWindows(found.answers, solved, share, conductivity[0], conductivity[1], options, comm);
   return found;
 }
 

@@ -71,6 +71,9 @@ struct SteadyOptions
   /// Largest relative error of the field in the energy norm, which is that of its flux; infinity when only the
   /// effective value is wanted, for which the square root of the tolerance will do.
   double fieldTolerance = 1e-6;
+  /// One answer among many, whose scatter is far larger than the tolerance: the first estimate of the error that there
+  /// is is believed. Where it is wrong the value is off by some times the tolerance.
+  bool rough = false;
   int maxIterations = 500;
   int threads = 1;
   Progress progress;

@@ -97,7 +97,6 @@ class Answers(Case):
         self.assertAlmostEqual(many["estimated_error"] / smooth["estimated_error"], 1, delta=1e-4)
         for more, text in [
             (["--refine", "2"], "smoothed labels, with pixels that are split"),
-            (["--window-error"], "smoothed labels, with a window error"),
             (["--shares", "0,1"], "smoothed labels of an image that is grey"),
         ]:
             refused = self.run_lamella("diffusion", *words, "--smooth-labels", *more)

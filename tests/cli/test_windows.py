@@ -82,9 +82,40 @@ class Windows(Case):
         self.assertEqual(result.code, 0)
         self.assertIn("too small to be cut", result.err)
         self.assertIsNone(result.json()["window_error"])
-        self.write("g_16x8x8_u8.raw", bytes(range(0, 256, 16)) * 64)
-        self.fails(2, "with a window error", "leave one of them out", "diffusion", "g_16x8x8_u8.raw", "--shares", "0,240",
-                   "--conductivity", "low=1,high=2", "--window-error")
+
+    def test_shares_have_windows(self):
+        # Layers along x whose surfaces lie in the middle of a node: shares of 0, a half and 1, the same in every window.
+        row = [0, 128, 255, 128] * 12
+        self.write("s.png", pictures.png([row] * 24))
+        words = ["s.png", "--shares", "0,256", "--conductivity", "low=1,high=4", "--no-error-estimate", "--json"]
+        plain = self.works("diffusion", *words).json()
+        found = self.works("diffusion", *words, "--window-error").json()
+        self.assertEqual(found["effective"], plain["effective"])
+        self.assertEqual(found["estimated_error"], plain["estimated_error"])
+        for axis in "xy":
+            windows = [step for step in found["directions"][axis]["steps"] if step["parts"] > 1]
+            self.assertEqual([(step["parts"], step["pictures"]) for step in windows], [(2, 4), (3, 9)])
+        self.assertLess(found["window_errors"]["y"]["error"], 1e-3)
+        several = self.run_lamella("diffusion", *words, "--window-error", ranks=2).json()
+        for key in ("low", "high", "bias"):
+            self.assertAlmostEqual(several["window_errors"]["x"][key], found["window_errors"]["x"][key], delta=1e-4)
+
+    def test_smoothed_labels_tell_about_what_labels_do(self):
+        name = self.tissue()
+        words = ["diffusion", name, *CONDUCTIVITIES, "--no-error-estimate", "--window-error", "--json"]
+        for sides in ("insulated", "mixed"):
+            plain = self.works(*words, "--sides", sides).json()
+            smooth = self.works(*words, "--smooth-labels", "--sides", sides).json()
+            for axis in "xy":
+                a, b = plain["window_errors"][axis], smooth["window_errors"][axis]
+                self.assertAlmostEqual(b["error"] / a["error"], 1, delta=0.25)
+                self.assertTrue(b["low"] < smooth["effective"][axis] < b["high"])
+                self.assertNotEqual(a["low"], b["low"])
+
+    def test_ranks_change_nothing(self):
+        name = self.tissue()
+        one, two = (self.run_lamella("pore-flood-fill", name, "--window-error", "--json", ranks=ranks).json() for ranks in (0, 2))
+        self.assertEqual(one["window_errors"], two["window_errors"])
 
 
 if __name__ == "__main__":

@@ -216,11 +216,12 @@ public:
           return refined(result, target);
         fail(result, rounded ? singlePrecision : Correction::tooMuch);
       }
-      // The rate rises to that of the slowest part of the error, by less and less. The first one tells nothing: the
+      // The rate rises to that of the slowest part of the error, by less and less. The first one tells little: the
       // linear profile is not what a cycle leaves.
-      if (std::isnan(rateBefore))
+      if (std::isnan(rate) || (std::isnan(rateBefore) && !options.rough))
         continue;
-      const double next = std::max({ Correction::leastRate, rate, 2 * rate - rateBefore });
+      const double rising = std::isnan(rateBefore) ? 0.0 : rate - rateBefore;
+      const double next = std::max({ Correction::leastRate, rate, rate + rising });
       double left = rate > 0 && next < 1 && !rises ? safety * fall * next / (1 - next) : 1.0;
       if (result.solverError > 0) // one fall may be small by chance
       {

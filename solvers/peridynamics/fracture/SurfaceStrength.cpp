@@ -2,7 +2,9 @@
 
 #include "core/Error.h"
 #include "lattice/LabelShares.h"
+#include "lattice/SubWindows.h"
 #include "lattice/SurfaceMotions.h"
+#include "peridynamics/BondLattice.h"
 #include "peridynamics/fracture/WindowStrength.h"
 
 #include <fmt/format.h>
@@ -176,7 +178,7 @@ Regrown regrown(const BondModel& model, const Lattice& lattice, std::span<const 
 } // namespace
 
 SurfaceStrengths surfaceStrengths(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
-  std::span<const std::int32_t> grain, const FractureStudyOptions& options, double doubt)
+  std::span<const std::int32_t> grain, const FractureStudyOptions& options, double doubt, const Communicator& comm)
 {
   std::array<bool, 256> isVoid{};
   for (const std::uint8_t id : model.voids)
@@ -197,7 +199,8 @@ SurfaceStrengths surfaceStrengths(const BondModel& model, const Lattice& lattice
   const std::vector<std::uint8_t> shares = labelShares(lattice, solid, 1, model.periodic, options.threads);
   SurfaceStrengths found{ std::min(doubt, mostStep) };
   FractureStudyOptions own = toThePeak(options);
-  const Communicator alone(MPI_COMM_SELF);
+  const Block slabOf = slab(lattice, Stencil(lattice.dimension, model.horizon), comm);
+  const SubWindow mine{ slabOf.start, slabOf.size };
   double done = 0;
   own.fracture.progress = [&](const FractureProgress& p)
   {
@@ -216,7 +219,10 @@ SurfaceStrengths surfaceStrengths(const BondModel& model, const Lattice& lattice
       lattice.dimension == 3 ? gains<3>(lattice, now, model.periodic) : gains<2>(lattice, now, model.periodic), step);
     try
     {
-      *peak = studyFracture(moved.model, lattice, moved.phase, nodes.grain, own, alone).peak.stress;
+      const std::vector<std::int32_t> grains =
+        nodes.grain.empty() ? std::vector<std::int32_t>{} : cut<std::int32_t>(lattice, nodes.grain, mine);
+      *peak = studyFracture(moved.model, lattice, cut<std::uint8_t>(lattice, moved.phase, mine), grains, own, comm)
+                .peak.stress;
     }
     catch (const NoPathError&)
     {

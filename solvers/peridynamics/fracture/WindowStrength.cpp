@@ -1,6 +1,7 @@
 #include "peridynamics/fracture/WindowStrength.h"
 
 #include "core/Error.h"
+#include "core/Together.h"
 #include "lattice/SubWindows.h"
 
 #include <algorithm>
@@ -35,7 +36,8 @@ FractureStudyOptions toThePeak(const FractureStudyOptions& sample)
 }
 
 std::vector<statistics::WindowTiling> windowStrengths(const BondModel& model, const Lattice& lattice,
-  std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, const FractureStudyOptions& options)
+  std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, const FractureStudyOptions& options,
+  const Communicator& comm)
 {
   std::vector<statistics::WindowTiling> tilings;
   std::vector<SubWindow> all;
@@ -45,8 +47,8 @@ std::vector<statistics::WindowTiling> windowStrengths(const BondModel& model, co
       tilings.push_back({ cuts.counts, std::vector<double>(cuts.windows.size(), 0.0) });
       all.insert(all.end(), cuts.windows.begin(), cuts.windows.end());
     }
-  const Communicator alone(MPI_COMM_SELF);
-  std::vector<double> strength(all.size(), 0.0);
+  const auto ranks = static_cast<std::size_t>(comm.size());
+  std::vector<double> strength(all.size(), 0.0); // of this rank's, and 0 of the others'
   FractureStudyOptions own = toThePeak(options);
   std::size_t done = 0;
   own.fracture.progress = [&](const FractureProgress& p)
@@ -54,26 +56,34 @@ std::vector<statistics::WindowTiling> windowStrengths(const BondModel& model, co
     if (!options.fracture.progress)
       return false;
     FractureProgress told = p;
-    told.share = (static_cast<double>(done) + p.share) / static_cast<double>(all.size());
+    told.share = std::min(
+      1.0, (static_cast<double>(done) + p.share * static_cast<double>(ranks)) / static_cast<double>(all.size()));
     return options.fracture.progress(told);
   };
-  for (std::size_t w = 0; w < all.size(); ++w, ++done)
+  const auto pull = [&](const SubWindow& window)
   {
-    const std::vector<std::uint8_t> ids = cut(lattice, phase, all[w]);
-    const std::vector<std::int32_t> grains = grain.empty() ? std::vector<std::int32_t>{} : cut(lattice, grain, all[w]);
+    const std::vector<std::uint8_t> ids = cut(lattice, phase, window);
+    const std::vector<std::int32_t> grains = grain.empty() ? std::vector<std::int32_t>{} : cut(lattice, grain, window);
     try
     {
-      strength[w] = studyFracture(model, latticeOf(lattice, all[w]), ids, grains, own, alone).peak.stress;
+      return studyFracture(model, latticeOf(lattice, window), ids, grains, own, Communicator()).peak.stress;
     }
     catch (const NoPathError&)
     {
-      strength[w] = 0;
+      return 0.0;
     }
     catch (const InputError&)
     {
-      strength[w] = 0; // but hinges
+      return 0.0; // but hinges
     }
-  }
+  };
+  together(comm,
+    [&]
+    {
+      for (auto w = static_cast<std::size_t>(comm.rank()); w < all.size(); w += ranks, done += ranks)
+        strength[w] = pull(all[w]);
+    });
+  comm.sum(strength);
   auto from = strength.begin();
   for (statistics::WindowTiling& tiling : tilings)
   {

@@ -14,11 +14,13 @@ namespace lamella::peridynamics
 
 /// Peak stresses [Pa] of the windows that a sample is cut into, halves and thirds of it along each axis, each between
 /// platens of its own and pulled as the sample is; 0 where nothing, or nothing but hinges, leads across. Each runs
-/// until its stress has fallen to nine tenths of its peak, and writes nothing.
+/// until its stress has fallen to nine tenths of its peak, and writes nothing. Each is one rank's, in turn; so they are
+/// the same on any number of ranks. Collective.
 ///
-/// @param phase, grain of the whole sample: on one rank  @param options as of the sample
-/// @throws as studyFracture()
+/// @param phase, grain of the whole sample, on every rank  @param options as of the sample
+/// @throws as studyFracture(), on every rank
 [[nodiscard]] std::vector<statistics::WindowTiling> windowStrengths(const BondModel& model, const Lattice& lattice,
-  std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, const FractureStudyOptions& options);
+  std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, const FractureStudyOptions& options,
+  const Communicator& comm = Communicator());
 
 } // namespace lamella::peridynamics

@@ -188,6 +188,21 @@ BondScene::BondScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInform
   }
 }
 
+BondScene::Whole BondScene::whole() const
+{
+  const BoxExchange outward(
+    lattice(), slab_, Block{ { 0, 0, 0 }, lattice().size }, { false, false, false }, team_.comm(), team_.size());
+  Whole w;
+  w.phase.resize(static_cast<std::size_t>(lattice().count()));
+  outward.run<std::uint8_t>(phase_, w.phase);
+  if (model_.pairByGrain)
+  {
+    w.grain.resize(w.phase.size());
+    outward.run<std::int32_t>(grain_, w.grain);
+  }
+  return w;
+}
+
 std::vector<std::string> unitDoubts(const pd::PairTable& materials)
 {
   constexpr double least = 1e3; // Pa √m, far below glue (1e5); gels lie here

@@ -67,6 +67,16 @@ public:
   /// Of the slab. Grains are empty when the model does not ask for them.
   [[nodiscard]] std::span<const std::uint8_t> phase() const noexcept { return phase_; }
   [[nodiscard]] std::span<const std::int32_t> grain() const noexcept { return grain_; }
+
+  /// Phases and grains of all nodes, in lattice order.
+  struct Whole
+  {
+    std::vector<std::uint8_t> phase;
+    std::vector<std::int32_t> grain; ///< empty when the model does not ask for them
+  };
+  /// Collective: on every rank.
+  [[nodiscard]] Whole whole() const;
+
   /// Of the whole image, by phase id.
   [[nodiscard]] const std::vector<std::int64_t>& nodes() const noexcept { return nodes_; }
 

@@ -150,10 +150,6 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   const lamella::BondSettings settings = this->Settings();
   check(settings);
   const bool surfaces = this->EstimateSegmentationError || this->SurfaceDoubt > 0;
-  for (const auto& [wanted, what] : { std::pair{ this->EstimateWindowError, "window" }, { surfaces, "segmentation" } })
-    if (wanted && team.size() > 1)
-      throw lamella::ParameterError(fmt::format("a {} error of a strength on several processes", what),
-        fmt::format("take one process, or leave the {} error out", what));
   std::optional<MovedSurfaces> moved;
   if (surfaces)
     moved.emplace().doubt = lamella::surfaceDoubt(input, this->SurfaceDoubt, lamella::Communicator(team.comm()));
@@ -191,12 +187,15 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   pd::FractureResult result = pd::studyFracture(
     scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, lamella::Communicator(team.comm()));
   this->PeakStress = result.peak.stress;
+  std::optional<lamella::BondScene::Whole> whole; // for what is done with all of it
+  if (this->EstimateWindowError || moved)
+    whole = scene.whole();
   std::optional<lamella::statistics::StrengthError> windows;
   if (this->EstimateWindowError)
   {
     this->TellNext();
-    const std::vector<lamella::statistics::WindowTiling> strengths =
-      pd::windowStrengths(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options);
+    const std::vector<lamella::statistics::WindowTiling> strengths = pd::windowStrengths(
+      scene.model(), scene.lattice(), whole->phase, whole->grain, options, lamella::Communicator(team.comm()));
     if (!strengths.empty())
       windows = lamella::statistics::strengthError(result.peak.stress, strengths);
     else
@@ -206,8 +205,8 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   if (moved)
   {
     this->TellNext();
-    moved->strengths =
-      pd::surfaceStrengths(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, moved->doubt);
+    moved->strengths = pd::surfaceStrengths(scene.model(), scene.lattice(), whole->phase, whole->grain, options,
+      moved->doubt, lamella::Communicator(team.comm()));
   }
   std::optional<pd::BreakSensitivity> sensitivity;
   if (this->WantsSensitivity() && !result.record.broken.empty())

@@ -153,7 +153,7 @@ public:
   /**
    * Also pull the windows that the sample is cut into, halves and thirds of it along each axis, to their peaks, and
    * tell how far the mean strength of samples of this size may be from this one's (95 %), and roughly how strength
-   * falls with size. About as much work as the sample itself. On one process.
+   * falls with size. About as much work as the sample itself.
    * @word window-error
    * @group Accuracy and cost
    * @advanced
@@ -163,7 +163,7 @@ public:
   /**
    * Also tell how the strength changes where the surfaces between solid and void lie elsewhere, as far as the picture's
    * segmentation leaves it open: by pulling the sample twice more to its peak, its solid grown and shrunk. Rough. Needs
-   * a picture that was segmented, or the doubt in pixels. On one process.
+   * a picture that was segmented, or the doubt in pixels.
    * @word segmentation-error
    * @group Accuracy and cost
    * @advanced

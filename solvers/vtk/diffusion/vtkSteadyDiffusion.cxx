@@ -507,10 +507,6 @@ void vtkSteadyDiffusion::Solve(vtkImageData* input, vtkImageData* output, const 
   if (parts && (this->Refinement > 1 || this->TargetError > 0 || directions))
     throw lamella::ParameterError(what + ", with pixels that are split or conduct differently by direction",
       "leave out the refinement, the target error and all but one conductivity a phase: two spacings give the error");
-  if (parts && this->EstimateWindowError)
-    throw lamella::ParameterError(what + ", with a window error",
-      shares ? "leave one of them out: the windows of phases, thresholded, tell the same"
-             : "leave one of them out: the windows of whole voxels tell the same");
   if (this->Interpolate && (shares || directions))
     throw lamella::ParameterError("interpolated conductivities with shares, or by direction", "take one of them");
   if (this->TellsSurfaces() && this->Interpolate)
