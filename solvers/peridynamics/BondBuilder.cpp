@@ -72,7 +72,8 @@ Block slab(const Lattice& lattice, const Stencil& stencil, const Communicator& c
     throw ParameterError(fmt::format("{} ranks share {} layers along {}, less than the horizon of {} each", ranks, n,
                            axisNames[axis], stencil.layers()),
       fmt::format("run it on at most {} ranks", std::max<std::int64_t>(1, n / stencil.layers())));
-  // Slabs begin at layers that can be halved often, for coarser lattices, as long as shares stay within 4 % of even.
+  // Slabs begin at layers that can be halved often, for coarser lattices, as long as shares stay within 4 % of even, or
+  // no slab is thicker than one must be.
   const auto begin = [&](std::int64_t rank, int halvings)
   { return rank == ranks ? n : ((n >> halvings) * rank / ranks) << halvings; };
   int halvings = 7;
@@ -83,7 +84,8 @@ Block slab(const Lattice& lattice, const Stencil& stencil, const Communicator& c
     {
       const std::int64_t layers = begin(rank + 1, halvings) - begin(rank, halvings);
       good = good && layers >= stencil.layers() &&
-        static_cast<double>(layers) <= std::max(1.04 * static_cast<double>(n) / static_cast<double>(ranks), 1.0);
+        (layers <= (n + ranks - 1) / ranks ||
+          static_cast<double>(layers) <= 1.04 * static_cast<double>(n) / static_cast<double>(ranks));
     }
   }
   Block block{ { 0, 0, 0 }, lattice.size };

@@ -50,8 +50,10 @@ void pass(const Communicator& comm, const Real* source, int to, Real* target, in
 template <class Real>
 void LevelRim::fill(NodeField<Real>& field) const
 {
+  std::vector<Real*> arrays; // all at once: one wait
   for (int c = 0; c < field.components(); ++c)
-    exchangeRim(layout_, periodic_, *comm_, field.component(c));
+    arrays.push_back(field.component(c));
+  RimInFlight<Real>(layout_, periodic_, *comm_, arrays);
 }
 
 template <class Real>
