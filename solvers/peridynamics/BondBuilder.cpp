@@ -73,7 +73,8 @@ Block slab(const Lattice& lattice, const Stencil& stencil, const Communicator& c
                            axisNames[axis], stencil.layers()),
       fmt::format("run it on at most {} ranks", std::max<std::int64_t>(1, n / stencil.layers())));
   // Slabs begin at layers that can be halved often, for coarser lattices, as long as shares stay within 4 % of even, or
-  // no slab is thicker than one must be.
+  // no slab is thicker than one must be. To halve them once, without which there is no multigrid, is worth a layer.
+  constexpr std::int64_t worthHalving = 8; // layers: of fewer a coarse level has too few to be shared out
   const auto begin = [&](std::int64_t rank, int halvings)
   { return rank == ranks ? n : ((n >> halvings) * rank / ranks) << halvings; };
   int halvings = 7;
@@ -84,7 +85,7 @@ Block slab(const Lattice& lattice, const Stencil& stencil, const Communicator& c
     {
       const std::int64_t layers = begin(rank + 1, halvings) - begin(rank, halvings);
       good = good && layers >= stencil.layers() &&
-        (layers <= (n + ranks - 1) / ranks ||
+        (layers <= (n + ranks - 1) / ranks + (halvings == 1 && n / ranks >= worthHalving ? 1 : 0) ||
           static_cast<double>(layers) <= 1.04 * static_cast<double>(n) / static_cast<double>(ranks));
     }
   }
