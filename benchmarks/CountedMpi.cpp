@@ -104,7 +104,7 @@ MpiCounts mpiCounts()
 
 } // namespace lamella::benchmark
 
-// Those that diffusion calls; of a name that MPI gives, so that the solvers' calls end here.
+// Those that the measured solvers call; of a name that MPI gives, so that the solvers' calls end here.
 using lamella::benchmark::bytesOf;
 using lamella::benchmark::Call;
 using lamella::benchmark::othersBytes;
@@ -149,6 +149,26 @@ extern "C"
     if (count > 0)
       ++call->waits;
     return PMPI_Waitall(count, requests, statuses);
+  }
+
+  int MPI_Testall(int count, MPI_Request* requests, int* done, MPI_Status* statuses)
+  {
+    const Call call;
+    return PMPI_Testall(count, requests, done, statuses);
+  }
+
+  int MPI_Sendrecv(const void* send, int sendCount, MPI_Datatype sendType, int to, int sendTag, void* receive,
+    int count, MPI_Datatype type, int from, int tag, MPI_Comm comm, MPI_Status* status)
+  {
+    const Call call;
+    if (to != MPI_PROC_NULL)
+    {
+      ++call->messages;
+      call->bytes += bytesOf(sendCount, sendType);
+    }
+    if (from != MPI_PROC_NULL)
+      ++call->waits;
+    return PMPI_Sendrecv(send, sendCount, sendType, to, sendTag, receive, count, type, from, tag, comm, status);
   }
 
   int MPI_Allreduce(const void* send, void* receive, int count, MPI_Datatype type, MPI_Op op, MPI_Comm comm)

@@ -9,7 +9,7 @@
 #include "CountedMpi.h"
 #include "Keys.h"
 #include "Ranks.h"
-#include "Table.h"
+#include "Scaling.h"
 
 #include "generators/Generators.h"
 #include "lbm/Backend.h"
@@ -136,80 +136,6 @@ Run run(const Tissue& tissue, const Kind& kind, MPI_Comm handle)
   return r;
 }
 
-// Of rank 0.
-std::optional<Table> tableOf(const Keys& keys, const std::string& name, const char* columns)
-{
-  std::optional<Table> table;
-  if (Communicator(MPI_COMM_WORLD).rank() == 0)
-    table.emplace(keys, bench, name, columns);
-  return table;
-}
-
-double loadNow()
-{
-  double load = 0;
-  return getloadavg(&load, 1) == 1 ? load : std::numeric_limits<double>::quiet_NaN();
-}
-
-// Latency and bandwidth of messages between two ranks, time of a reduction, and memory that is read and written in
-// place, by one rank and by all. Medians of short batches, which other programs seldom interrupt.
-void machine(const Keys& keys)
-{
-  const Communicator world(MPI_COMM_WORLD);
-  auto table = tableOf(keys, "machine", "what,bytes,median,least");
-  const auto told = [&](const char* what, std::size_t bytes, const std::vector<double>& seconds)
-  {
-    if (table)
-      table->line(what, bytes, median(seconds), *std::ranges::min_element(seconds));
-  };
-  const auto batches = [&](int count, int times, auto&& f)
-  {
-    std::vector<double> seconds;
-    for (int i = 0; i < count; ++i)
-    {
-      const double start = MPI_Wtime();
-      for (int k = 0; k < times; ++k)
-        f();
-      seconds.push_back((MPI_Wtime() - start) / times);
-    }
-    return seconds;
-  };
-  if (world.size() < 2)
-    return;
-  for (const std::size_t bytes : { std::size_t{ 8 }, std::size_t{ 1 } << 12, std::size_t{ 1 } << 16,
-         std::size_t{ 1 } << 18, std::size_t{ 1 } << 20, std::size_t{ 1 } << 22 })
-  {
-    std::vector<std::byte> mine(bytes);
-    std::vector<std::byte> theirs(bytes);
-    const int other = 1 - world.rank();
-    MPI_Barrier(world.handle());
-    told("message", bytes,
-      batches(bytes < 100000 ? 1000 : 100, bytes < 100000 ? 50 : 4,
-        [&]
-        {
-          std::array<MPI_Request, 2> requests;
-          PMPI_Irecv(theirs.data(), static_cast<int>(bytes), MPI_BYTE, other, 1, world.handle(), &requests[0]);
-          PMPI_Isend(mine.data(), static_cast<int>(bytes), MPI_BYTE, other, 1, world.handle(), &requests[1]);
-          PMPI_Waitall(2, requests.data(), MPI_STATUSES_IGNORE);
-        }));
-  }
-  std::array<double, 6> sums{};
-  MPI_Barrier(world.handle());
-  told("reduction", 48, batches(1000, 50, [&] { world.sum(sums); }));
-  std::vector<float> memory(std::size_t{ 1 } << 24, 1.0F);
-  const auto pass = [&]
-  {
-    for (float& v : memory)
-      v *= 0.999F;
-  };
-  const std::size_t moved = 2 * memory.size() * sizeof(float);
-  waitForAll();
-  if (world.rank() == 0)
-    told("memory by one", moved, batches(30, 1, pass));
-  waitForAll();
-  told("memory by all", moved, batches(30, 1, pass));
-}
-
 // One rank and all in turns, and every rank by itself at once: what the machine allows.
 void time(const Keys& keys)
 {
@@ -217,7 +143,7 @@ void time(const Keys& keys)
   const bool first = world.rank() == 0;
   const auto edge = static_cast<std::int64_t>(number(keys, "edge", 200));
   const int pairs = static_cast<int>(number(keys, "pairs", 5));
-  auto table = tableOf(keys, "time",
+  auto table = tableOf(keys, bench, "time",
     "kind,nodes,all_nodes,ranks,pair,load,one_set_up,one_solve,one_work,one_cycles,all_set_up,all_solve,all_work,"
     "all_cycles,apart_set_up,apart_solve,weak_set_up,weak_solve,weak_work,weak_cycles,difference");
   const Tissue one(edge, { edge, edge, edge });
@@ -244,12 +170,8 @@ void time(const Keys& keys)
     }
 }
 
-const char* const countColumns =
-  "kind,scaling,nx,ny,nz,ranks,py,pz,cycles,value,solver_bytes,peak_bytes,set_up,solve,"
-  "s_messages,s_messages_most,s_bytes,s_bytes_most,s_waits,s_reductions,s_reduced,s_gatherings,s_gathered,s_exchanges,"
-  "s_exchanged,s_work,s_work_most,s_whole,"
-  "messages,messages_most,bytes,bytes_most,waits,reductions,reduced,gatherings,gathered,exchanges,exchanged,work,"
-  "work_most,whole";
+const std::string columns = "kind,scaling,nx,ny,nz,ranks,py,pz,cycles,value,solver_bytes,peak_bytes,set_up,solve," +
+  countColumns("s_") + "," + countColumns("");
 
 // A line: set-up (s_…) and solve, means over the ranks and, where it says so, the most of one.
 void tell(std::optional<Table>& table, const char* scaling, const Tissue& tissue, const Kind& kind, const Run& r)
@@ -258,32 +180,20 @@ void tell(std::optional<Table>& table, const char* scaling, const Tissue& tissue
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   const double peak = world.sum(1024.0 * static_cast<double>(usage.ru_maxrss)) / world.size();
-  std::vector<double> means;
-  for (const MpiCounts& c : { r.ofSetUp, r.ofSolve })
-  {
-    const std::array<double, 11> all{ static_cast<double>(c.messages), static_cast<double>(c.bytes),
-      static_cast<double>(c.waits), static_cast<double>(c.reductions), static_cast<double>(c.reducedBytes),
-      static_cast<double>(c.gatherings), static_cast<double>(c.gatheredBytes), static_cast<double>(c.exchanges),
-      static_cast<double>(c.exchangedBytes), c.work, c.whole };
-    for (std::size_t i = 0; i < all.size(); ++i)
-    {
-      means.push_back(world.sum(all[i]) / world.size());
-      if (i < 2 || i == 9) // messages, bytes, work
-        means.push_back(world.max(all[i]));
-    }
-  }
+  const std::string ofSetUp = countValues(r.ofSetUp);
+  const std::string ofSolve = countValues(r.ofSolve);
   const Decomposition parts(tissue.lattice, world);
   const auto& size = tissue.lattice.size;
   if (table)
     table->line(kind.name, scaling, size[0], size[1], size[2], world.size(), parts.parts()[1], parts.parts()[2],
       r.result.iterations, fmt::format("{:.12f}", r.result.effective[0]), r.result.bytes, peak, r.setUp, r.solve,
-      fmt::format("{}", fmt::join(means, ",")));
+      ofSetUp, ofSolve);
 }
 
 void counts(const Keys& keys)
 {
   const Communicator world(MPI_COMM_WORLD);
-  auto table = tableOf(keys, fmt::format("counts-{}", world.size()), countColumns);
+  auto table = tableOf(keys, bench, fmt::format("counts-{}", world.size()), columns);
   const auto strong = static_cast<std::int64_t>(number(keys, "strong", 128));
   const auto weak = static_cast<std::int64_t>(number(keys, "weak", 48));
   const Tissue whole(strong, { strong, strong, strong });
@@ -303,30 +213,14 @@ void memory(const Keys& keys)
   const auto kinds = kindsOf(keys);
   if (kinds.size() != 1)
     throw ParameterError(fmt::format("memory of {} kinds in one process", kinds.size()), "give kinds= one");
-  auto table = tableOf(keys, fmt::format("memory-{}-{}-{}", kinds.front().name, edge, world.size()), countColumns);
+  auto table = tableOf(keys, bench, fmt::format("memory-{}-{}-{}", kinds.front().name, edge, world.size()), columns);
   const Tissue tissue(std::min<std::int64_t>(edge, 200), { edge, edge, edge });
   tell(table, "memory", tissue, kinds.front(), run(tissue, kinds.front(), MPI_COMM_WORLD));
 }
 
-// Every table by a run of its own.
 int startAll(const Keys& keys, const char* program)
 {
-  const std::string wanted = text(keys, "study", "");
-  const auto start = [&](int ranks, const std::string& study, const Keys& more = {})
-  {
-    if (!wanted.empty() && wanted != study)
-      return true;
-    Keys all = keys;
-    all["study"] = study;
-    for (const auto& [key, value] : more)
-      all[key] = value;
-    std::vector<std::string> words{ program };
-    for (const auto& [key, value] : all)
-      words.push_back(key + "=" + value);
-    fmt::print("  {} on {} rank{}\n", study, ranks, ranks == 1 ? "" : "s");
-    std::fflush(stdout);
-    return startOnRanks(ranks, words);
-  };
+  const StudyStarter start(keys, program);
   bool good = start(2, "machine") && start(2, "time");
   for (const double edge : list(keys, "memory", 200))
     for (const Kind& kind : kindsOf(keys))
@@ -347,7 +241,7 @@ int main(int argc, char** argv)
     [](const Keys& keys)
     {
       runStudies(keys,
-        { { "machine", [&] { machine(keys); } }, { "time", [&] { time(keys); } }, { "memory", [&] { memory(keys); } },
-          { "counts", [&] { counts(keys); } } });
+        { { "machine", [&] { measureMachine(keys, bench); } }, { "time", [&] { time(keys); } },
+          { "memory", [&] { memory(keys); } }, { "counts", [&] { counts(keys); } } });
     });
 }

@@ -13,10 +13,10 @@ import csv
 import math
 import statistics
 
-from drawing import panels_of, places, rows_of, save
+from drawing import panels_of, places, save
+from scaling import CLUSTER, link_here, tables
 
 KINDS = {"lean": "lean", "pieces": "pieces", "walls": "pieces, walls insulate", "voids": "pieces, voids"}
-CLUSTER = {"latency": 1.5e-6, "bandwidth": 10e9}  # an assumption: of a usual interconnect, a message and a rank
 COUNTED = ("messages_most", "bytes_most", "waits", "reductions", "gatherings", "gathered")
 
 # As in the sources.
@@ -438,20 +438,14 @@ def draw(picture, counts, times, predicted, laws):
 
 def main():
     folder, picture = places("diffusion-scaling")
-
-    def table(pattern):
-        return [row for path in sorted(folder.glob(f"diffusion-scaling-{pattern}.csv")) for row in rows_of(path)]
-
-    counts, alone, times, machine = table("counts-*"), table("memory-*-200-*"), table("time"), table("machine")
+    counts, alone, times, machine = (
+        tables(folder, "diffusion-scaling", pattern) for pattern in ("counts-*", "memory-*-200-*", "time", "machine"))
     if not (counts and machine):
         print(f"  nothing drawn: {folder} has no tables of counts and of the machine")
         return
     laws = {kind: law_of([r for r in counts if r["kind"] == kind]) for kind in KINDS if kind != "lean"}
     model = calibrate(counts, alone, laws)
-    messages = {int(r["bytes"]): r["median"] for r in machine if r["what"] == "message"}
-    here = {"latency": min(messages.values()), "bandwidth": 2**18 / messages[2**18]}
-    reduction = next(r["median"] for r in machine if r["what"] == "reduction")
-    print(f"  here: latency {1e6 * here['latency']:.2f} µs, bandwidth {here['bandwidth'] / 1e9:.1f} GB/s, reduction {1e6 * reduction:.2f} µs")
+    here = link_here(machine)
     for kind in KINDS:
         m, law = model[kind], laws.get(kind, {})
         print(f"  {kind}: {1e9 * m['voxel']:.1f} ns a voxel and cycle ({1e9 * m['voxel_counted']:.1f} in the counted runs), "
