@@ -23,7 +23,7 @@ struct Isotropic
   [[nodiscard]] static Matrix<Dim, Real> kirchhoff(
     const Real* c, const Matrix<Dim, Real>& F, const Vector<Dim, Real>& /*axis*/)
   {
-    const Matrix<Dim, Real> v = productTransposed(F, rotation(F));
+    const Matrix<Dim, Real> v = leftStretch(F);
     const Real first = c[0] * (trace(v) - static_cast<double>(Dim)) - 2.0 * c[1];
     const Real volume = VolumeBarrier::kirchhoff(c[2], determinant(F));
     Matrix<Dim, Real> tau = productTransposed(F, F);
@@ -37,13 +37,13 @@ struct Isotropic
   /// The third stretch is 1: what is left are λ and the barrier.
   [[nodiscard]] static double thirdStress(const double* c, const Matrix<2>& F, const Vector<2>& /*axis*/)
   {
-    return c[0] * (trace(productTransposed(F, rotation(F))) - 2) + VolumeBarrier::kirchhoff(c[2], determinant(F));
+    return c[0] * (trace(leftStretch(F)) - 2) + VolumeBarrier::kirchhoff(c[2], determinant(F));
   }
 
   template <int Dim, class Real>
   [[nodiscard]] static Real energy(const Real* c, const Matrix<Dim, Real>& F, const Vector<Dim, Real>& /*axis*/)
   {
-    const Matrix<Dim, Real> e = lessIdentity(productTransposed(F, rotation(F))); // V has U's invariants
+    const Matrix<Dim, Real> e = lessIdentity(leftStretch(F)); // V has U's invariants
     const Real t = trace(e);
     return c[1] * contraction(e, e) + 0.5 * c[0] * t * t + VolumeBarrier::energy(c[2], determinant(F));
   }

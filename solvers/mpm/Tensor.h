@@ -13,6 +13,16 @@ namespace lamella::mpm
   return 1.0 / std::sqrt(x);
 }
 
+/// 1/x and 1/√x of positive, normal numbers, perhaps only to 10⁻⁴: for where what follows makes good for it.
+[[nodiscard]] inline double roughInverse(double x)
+{
+  return 1.0 / x;
+}
+[[nodiscard]] inline double roughInverseSqrt(double x)
+{
+  return 1.0 / std::sqrt(x);
+}
+
 template <int Dim, class Real = double>
 struct Vector
 {

@@ -88,10 +88,28 @@ struct Lanes
       return joined(Half::template loadGroups<Groups / 2>(p), Half::template loadGroups<Groups / 2>(p + Groups / 2));
     }
   }
+  /// `Groups` equal parts, each of one value. Not through memory: a vector that was stored value by value is slow to
+  /// load.
+  template <int Groups>
+  static Lanes eachGroup(const T* values)
+  {
+    if constexpr (Groups == 1)
+      return Lanes(static_cast<double>(values[0]));
+    else
+    {
+      using Half = Lanes<N / 2, T>;
+      return joined(
+        Half::template eachGroup<Groups / 2>(values), Half::template eachGroup<Groups / 2>(values + Groups / 2));
+    }
+  }
   /// One behind the other.
   static Lanes joined(Lanes<N / 2, T> a, Lanes<N / 2, T> b)
   {
     static_assert(N == 8 || N == 16);
+#if defined(__AVX512F__)
+    if constexpr (N == 8 && !single) // from memory, too, without a shuffle
+      return _mm512_maskz_insertf64x4(0xff, _mm512_castpd256_pd512(a.v), b.v, 1);
+#endif
     if constexpr (N == 8)
       return __builtin_shufflevector(a.v, b.v, 0, 1, 2, 3, 4, 5, 6, 7);
     else
@@ -224,6 +242,27 @@ struct Lanes
 #endif
     return 1.0 / sqrt(a);
   }
+  /// To 2⁻¹⁴, where the processor offers it.
+  friend Lanes roughInverse(Lanes a)
+  {
+#if defined(__AVX512F__)
+    if constexpr (N == 16 && single)
+      return _mm512_maskz_rcp14_ps(0xffff, a.v);
+    if constexpr (N == 8 && !single)
+      return _mm512_maskz_rcp14_pd(0xff, a.v);
+#endif
+    return 1.0 / a;
+  }
+  friend Lanes roughInverseSqrt(Lanes a)
+  {
+#if defined(__AVX512F__)
+    if constexpr (N == 16 && single)
+      return _mm512_maskz_rsqrt14_ps(0xffff, a.v);
+    if constexpr (N == 8 && !single)
+      return _mm512_maskz_rsqrt14_pd(0xff, a.v);
+#endif
+    return 1.0 / sqrt(a);
+  }
   /// Natural logarithm to 2 units in the last place for positive, normal numbers.
   friend Lanes log(Lanes a)
   {
@@ -244,15 +283,17 @@ private:
     // ln m = 2 artanh s, s = (m − 1)/(m + 1), |s| ≤ 0.1716: ten terms leave 2e-17
     const V s = (m - 1.0) / (m + 1.0);
     const V z = s * s;
-    V series = z * (1.0 / 21) + 1.0 / 19;
-    series = series * z + 1.0 / 17;
-    series = series * z + 1.0 / 15;
-    series = series * z + 1.0 / 13;
-    series = series * z + 1.0 / 11;
-    series = series * z + 1.0 / 9;
-    series = series * z + 1.0 / 7;
-    series = series * z + 1.0 / 5;
-    series = series * z + 1.0 / 3;
+    // every other term by itself: two short chains instead of a long one
+    const V zz = z * z;
+    V even = zz * (1.0 / 19) + 1.0 / 15;
+    V odd = zz * (1.0 / 21) + 1.0 / 17;
+    even = even * zz + 1.0 / 11;
+    odd = odd * zz + 1.0 / 13;
+    even = even * zz + 1.0 / 7;
+    odd = odd * zz + 1.0 / 9;
+    even = even * zz + 1.0 / 3;
+    odd = odd * zz + 1.0 / 5;
+    const V series = odd * z + even;
     const V kd = __builtin_convertvector(k, V);
     return kd * 0.6931471805599453 + (s + s + (s + s) * (z * series));
   }
