@@ -21,6 +21,8 @@ namespace
 
 void checkLoad(const Loading& loading)
 {
+  if (loading.load == LoadCase::Pressure) // applyLoading() looks at it
+    return;
   const bool traction = loading.load == LoadCase::Traction;
   if (traction ? loading.traction == 0 : loading.strain == 0)
     throw ParameterError(fmt::format("the {} is 0: nothing is loaded", traction ? "traction" : "strain"),
@@ -143,26 +145,6 @@ std::optional<FirstBreak> firstBreak(const BondLattice& bonds, const Lattice& la
   return first;
 }
 
-/// What the residual does on the way, over what the load does: the relative error of the mean movement, but for what is
-/// of second order. @param force of bonds and load
-double workOfResidual(
-  const BondLattice& bonds, const LoadedSample& sample, const NodeField<double>& u, const NodeField<double>& force)
-{
-  const NodeLayout& l = bonds.layout();
-  std::array<double, 2> sums{};
-  for (std::int64_t z = 0; z < l.size[2]; ++z)
-    for (std::int64_t y = 0; y < l.size[1]; ++y)
-      for (std::int64_t i = l.index(0, y, z); i < l.index(l.size[0], y, z); ++i)
-        for (int c = 0; c < l.dimension; ++c)
-          if ((sample.fixed[i] >> c & 1U) == 0)
-          {
-            sums[0] += u.component(c)[i] * force.component(c)[i];
-            sums[1] += u.component(c)[i] * sample.load->component(c)[i];
-          }
-  bonds.communicator().sum(sums);
-  return std::abs(sums[0] / sums[1]);
-}
-
 /// None where no bond breaks.
 std::optional<BreakSensitivity> sensitivityOf(
   const BondLattice& bonds, Equilibrium& equilibrium, const LoadedSample& sample, const ElasticResult& r)
@@ -181,6 +163,8 @@ std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult&
   std::vector<std::string> warnings = modelWarnings(model, r.thickness);
   if (r.loosePieces > 0)
     warnings.push_back(looseWarning(r.loosePieces, r.looseNodes, r.solidNodes));
+  if (r.openNodes > 0)
+    warnings.push_back(openWarning(r.openNodes));
   if (r.solve.hinges > 0)
     warnings.push_back(
       fmt::format("{} nodes hang on too few bonds to resist in every direction: they follow where nothing resists",
@@ -218,7 +202,7 @@ std::string doubtWarning(double doubt, bool traction)
     return "";
   return fmt::format("{}: the modulus may be off by as much. Ask for a smaller tolerance, or make the phases less "
                      "different",
-    traction ? fmt::format("the forces that are not in balance do {:.2g} times the work of the traction", doubt)
+    traction ? fmt::format("the forces that are not in balance do {:.2g} times the work of the load", doubt)
              : fmt::format("forces through sections of the sample differ by {:.2g} times that on the platens", doubt));
 }
 
@@ -277,6 +261,13 @@ std::string looseWarning(std::int64_t pieces, std::int64_t nodes, std::int64_t s
   return fmt::format(
     "{} loose pieces with {} nodes ({:.2g} % of the solid) hang on no platen and were taken out: they carry nothing",
     pieces, nodes, 100.0 * static_cast<double>(nodes) / static_cast<double>(solidNodes));
+}
+
+std::string openWarning(std::int64_t nodes)
+{
+  return fmt::format("{} nodes of the phases under pressure lie in pores that are open, to a free side or to another "
+                     "empty phase: these hold none",
+    nodes);
 }
 
 std::string horizonWarning(const BondModel& model)
@@ -371,7 +362,8 @@ double elasticBytes(
     perNode += 8 * 3 * d;
   const double stress = d == 2 ? 3 : 6;
   perNode += 8 * ((options.stress ? stress : 0) + (options.energyDensity ? 1 : 0));
-  perNode += options.sensitivity ? 8 * 2 * d : 0; // the adjoint and its load
+  perNode += options.sensitivity ? 8 * 2 * d : 0;                        // the adjoint and its load
+  perNode += options.loading.load == LoadCase::Pressure ? 8 * d + 2 : 0; // its forces, and which nodes are pores
   return bonds + levels + nodes * perNode;
 }
 
@@ -379,6 +371,13 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
   std::span<const std::int32_t> grain, const ElasticOptions& options, const Communicator& comm)
 {
   checkLoad(options.loading);
+  const bool pressure = options.loading.load == LoadCase::Pressure;
+  if (pressure && options.equilibrium.strains == Strains::Large)
+    throw ParameterError("a pressure in large strains, where it would turn with the surfaces",
+      "leave large strains out: the pressure acts on the surfaces as they are without a load");
+  if (pressure && options.equilibrium.solver == EquilibriumSolver::Direct && !options.loading.straightSides)
+    throw ParameterError("the direct solver of a sample that nothing holds: its matrix is singular",
+      "use the multigrid solver, or straight sides");
   if (options.sensitivity && options.equilibrium.strains == Strains::Large)
     throw ParameterError("a sensitivity of the first break in large strains, where none is found",
       "leave the sensitivity or the large strains out");
@@ -398,7 +397,7 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
   };
   const BondLattice bonds(model, lattice, phase, grain, comm);
   r.bondSeconds = lap();
-  LoadedSample sample = applyLoading(bonds, options.loading);
+  LoadedSample sample = applyLoading(bonds, options.loading, phase);
   r.loadSeconds = lap();
 
   const int d = lattice.dimension;
@@ -408,14 +407,20 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
   r.highPlaten = sample.highLayers;
   r.loosePieces = sample.loosePieces;
   r.looseNodes = sample.looseNodes;
+  if (sample.pores)
+  {
+    r.poreVolume = sample.pores->volume();
+    r.openNodes = sample.pores->openNodes();
+  }
   r.area = 1;
   for (int c = 0; c < d; ++c)
     r.area *= c == r.axis ? 1 : lattice.length(c);
-  r.length = static_cast<double>(r.highPlaten[0] - r.lowPlaten[1] + 1) * lattice.spacing;
+  r.length =
+    pressure ? lattice.length(r.axis) : static_cast<double>(r.highPlaten[0] - r.lowPlaten[1] + 1) * lattice.spacing;
   {
     EquilibriumOptions equilibriumOptions = options.equilibrium;
     std::optional<PlatenForce> platens;
-    if (options.loading.load != LoadCase::Traction)
+    if (!sample.load)
     {
       platens.emplace(bonds, options.loading, sample);
       equilibriumOptions.doubt = [&](const NodeField<double>&, const NodeField<double>& force)
@@ -433,6 +438,9 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
       r.sensitivitySeconds = lap();
     }
   }
+  if (!sample.held)
+    takeOutRigidMotion(bonds, *sample.pores, sample.displacement);
+  const double grown = pressure ? poreStrain(bonds, sample, sample.displacement) : 0;
   r.displacement = std::move(sample.displacement);
   lap();
 
@@ -440,9 +448,10 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
   r.reactions.low = layerSum(bonds, f, r.axis, r.lowPlaten[0], r.lowPlaten[1]);
   r.reactions.high = layerSum(bonds, f, r.axis, r.highPlaten[0], r.highPlaten[1]);
   const bool traction = options.loading.load == LoadCase::Traction;
-  r.strain = traction ? movement(bonds, r) / r.length : options.loading.strain;
+  r.strain = pressure ? grown : traction ? movement(bonds, r) / r.length : options.loading.strain;
   // the sample pulls the low platen up and the high one down
-  r.effectiveStress = -r.reactions.high[static_cast<std::size_t>(r.across)] / r.area;
+  r.effectiveStress =
+    pressure ? options.loading.pressure : -r.reactions.high[static_cast<std::size_t>(r.across)] / r.area;
   r.effectiveModulus = r.effectiveStress / r.strain;
   r.elasticEnergy = elasticEnergy(bonds, r.displacement, nonlinear);
   if (options.stress)
@@ -474,7 +483,7 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
   const std::int64_t fields =
     (1 + (options.stress ? (d == 2 ? 3 : 6) : 0) + (options.energyDensity ? 1 : 0)) * bonds.layout().count() * 8;
   r.bytes = comm.sum(bonds.bytes() + r.solve.bytes + fields);
-  r.warnings = warningsOf(model, r, !traction);
+  r.warnings = warningsOf(model, r, !traction && !pressure);
   r.measureSeconds = lap();
   return r;
 }

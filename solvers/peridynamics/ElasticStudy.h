@@ -70,7 +70,7 @@ struct ElasticResult : SampleCounts
   int across = 0;              ///< component of displacement and force along which the load acts
   double area = 0;             ///< of a section across the axis, voids included [m²]; of a picture [m], a metre deep
   double length = 0;           ///< between the inner layers of the platens [m]
-  double strain = 0;           ///< that was applied; of a traction the one that it causes
+  double strain = 0;           ///< that was applied; of a traction, or a pressure in pores, the one that it causes
   Reactions reactions;         ///< [N], [N/m]
   double effectiveStress = 0;  ///< pull of the sample on the high platen along `across`, over the area [Pa]
   double effectiveModulus = 0; ///< effectiveStress/strain [Pa]; a shear modulus where the load is shear
@@ -87,6 +87,8 @@ struct ElasticResult : SampleCounts
   std::array<std::int64_t, 2> highPlaten{};
   std::int64_t loosePieces = 0;
   std::int64_t looseNodes = 0;
+  double poreVolume = 0;             ///< of the pores under pressure [m³], [m²] of a picture
+  std::int64_t openNodes = 0;        ///< of the phases that the pressure acts in, but open: under none
   std::vector<std::string> warnings; ///< each one line, with its numbers
 
   double bondSeconds = 0; ///< making the bonds
@@ -144,8 +146,11 @@ void requireMemory(const char* what, const Lattice& lattice, double need, double
 /// What is said of pieces that applyLoading() took out.
 [[nodiscard]] std::string looseWarning(std::int64_t pieces, std::int64_t nodes, std::int64_t solidNodes);
 
+/// What is said of pores that hold no pressure.
+[[nodiscard]] std::string openWarning(std::int64_t nodes);
+
 /// What is said of a modulus that the solver's residual may leave off by this share; empty where that is little.
-/// @param traction whether it is of a load that is given, where it is the work of what is left over
+/// @param traction whether it is of forces that are given, where it is the work of what is left over
 [[nodiscard]] std::string doubtWarning(double doubt, bool traction = false);
 
 /// What a model's horizon means for a picture: a warning, or an empty string.

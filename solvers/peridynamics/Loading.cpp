@@ -27,12 +27,24 @@ void eachOwn(const NodeLayout& l, F&& f)
 void check(const BondLattice& bonds, const Loading& loading, int axis, int layers)
 {
   for (const auto& [name, value] : { std::pair{ "strain", loading.strain }, { "lateral strain", loading.lateralStrain },
-         { "traction", loading.traction } })
+         { "traction", loading.traction }, { "pressure", loading.pressure } })
     if (!std::isfinite(value))
       throw ParameterError(fmt::format("the {} {} is not a finite number", name, value), "give a number, such as 1e-3");
     else if (value != 0 && !plausible(value))
       throw ParameterError(
         fmt::format("the {} {:g} is not between 1e-30 and 1e30 in size", name, value), "give a number, such as 1e-3");
+  if (loading.load == LoadCase::Pressure)
+  {
+    if (loading.pressure == 0)
+      throw ParameterError("the pressure is 0: nothing is loaded", "give it in Pa; suction is negative");
+    for (int a = 0; a < bonds.dimension() && loading.straightSides; ++a)
+      if (const std::int64_t m = bonds.layout().global[static_cast<std::size_t>(a)];
+          !bonds.periodic()[static_cast<std::size_t>(a)] && m <= 2 * layers)
+        throw ParameterError(
+          fmt::format("two straight sides of {} layers leave nothing of {} nodes along {}", layers, m, "xyz"[a]),
+          "a larger sample, a finer spacing or a smaller horizon");
+    return;
+  }
   const char names[] = { 'x', 'y', 'z' };
   for (int a = 0; a < bonds.dimension(); ++a)
     if ((a == axis || loading.load == LoadCase::Biaxial) && bonds.periodic()[static_cast<std::size_t>(a)])
@@ -90,6 +102,21 @@ void takeOutLoosePieces(const BondLattice& bonds, LoadedSample& s, int axis)
     });
 }
 
+// Straight sides hold the component across them.
+void holdSides(const BondLattice& bonds, int layers, LoadedSample& s)
+{
+  const NodeLayout& l = bonds.layout();
+  eachOwn(l,
+    [&](std::int64_t i, const std::array<std::int64_t, 3>& node)
+    {
+      if (!bonds.solid(i))
+        return;
+      for (std::size_t a = 0; a < static_cast<std::size_t>(l.dimension); ++a)
+        if (!bonds.periodic()[a] && (node[a] < layers || node[a] >= l.global[a] - layers))
+          s.fixed[i] = static_cast<std::uint8_t>(s.fixed[i] | (1U << a));
+    });
+}
+
 // The rim of bit masks, by way of a field.
 void exchangeFixed(const BondLattice& bonds, FixedComponents& fixed)
 {
@@ -103,7 +130,95 @@ void exchangeFixed(const BondLattice& bonds, FixedComponents& fixed)
 
 } // namespace
 
-LoadedSample applyLoading(const BondLattice& bonds, const Loading& loading)
+LostPieces looseUnderPressure(const BondLattice& bonds, LoadedSample& s)
+{
+  const NodeLayout& l = bonds.layout();
+  constexpr std::uint8_t held = 1;
+  constexpr std::uint8_t lost = 2; // before
+  AlignedArray<std::uint8_t> marks(l.count());
+  eachOwn(l,
+    [&](std::int64_t i, const std::array<std::int64_t, 3>&)
+    {
+      if (bonds.solid(i))
+        marks[i] = s.pores->removed(i) ? lost : s.fixed[i] != 0 ? held : 0;
+    });
+  const Fragments fragments = findFragments(bonds, &marks);
+  const Fragment* largest = nullptr;
+  s.held = false;
+  for (const Fragment& f : fragments.pieces)
+    if ((f.fixed & lost) == 0)
+    {
+      s.held = s.held || (f.fixed & held) != 0;
+      if (largest == nullptr || f.nodes > largest->nodes)
+        largest = &f;
+    }
+  const auto stays = [&](const Fragment& f) { return s.held ? (f.fixed & held) != 0 : &f == largest; };
+  LostPieces result;
+  for (const Fragment& f : fragments.pieces)
+    if ((f.fixed & lost) == 0 && !stays(f))
+    {
+      ++result.pieces;
+      result.nodes += f.nodes;
+    }
+  if (result.pieces == 0)
+    return result;
+  std::vector<std::int64_t> nodes; // of this rank
+  eachOwn(l,
+    [&](std::int64_t i, const std::array<std::int64_t, 3>&)
+    {
+      if (fragments.piece[i] < 0 || s.pores->removed(i) ||
+        stays(fragments.pieces[static_cast<std::size_t>(fragments.piece[i])]))
+        return;
+      nodes.push_back(i);
+      s.fixed[i] = allComponents(l.dimension);
+      for (int c = 0; c < l.dimension; ++c)
+        s.displacement.component(c)[i] = 0;
+    });
+  s.pores->remove(bonds, nodes);
+  exchangeFixed(bonds, s.fixed);
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      bonds.forEachBond(y, z,
+        [&](std::int64_t i, std::int64_t, int o, int)
+        {
+          if (l.ownedNode(l.node(i)) && s.pores->removed(i))
+            result.bonds.push_back(bonds.bond(i, o));
+        });
+  s.pores->apply(bonds, s.pressure, *s.load);
+  return result;
+}
+
+double poreStrain(const BondLattice& bonds, const LoadedSample& sample, const NodeField<double>& u)
+{
+  double work = 0;
+  eachOwn(u.layout(),
+    [&](std::int64_t i, const std::array<std::int64_t, 3>&)
+    {
+      for (int c = 0; c < u.components(); ++c)
+        work += sample.load->component(c)[i] * u.component(c)[i];
+    });
+  return bonds.communicator().sum(work) / (sample.pressure * sample.pores->volume());
+}
+
+double workOfResidual(
+  const BondLattice& bonds, const LoadedSample& sample, const NodeField<double>& u, const NodeField<double>& force)
+{
+  std::array<double, 2> sums{};
+  eachOwn(bonds.layout(),
+    [&](std::int64_t i, const std::array<std::int64_t, 3>&)
+    {
+      for (int c = 0; c < u.components(); ++c)
+        if ((sample.fixed[i] >> c & 1U) == 0)
+        {
+          sums[0] += u.component(c)[i] * force.component(c)[i];
+          sums[1] += u.component(c)[i] * sample.load->component(c)[i];
+        }
+    });
+  bonds.communicator().sum(sums);
+  return std::abs(sums[0] / sums[1]);
+}
+
+LoadedSample applyLoading(const BondLattice& bonds, const Loading& loading, std::span<const std::uint8_t> phase)
 {
   const NodeLayout& l = bonds.layout();
   const int d = l.dimension;
@@ -118,6 +233,28 @@ LoadedSample applyLoading(const BondLattice& bonds, const Loading& loading)
   s.displacement = NodeField<double>(l);
   const auto a = static_cast<std::size_t>(axis);
   const std::int64_t n = l.global[a];
+  if (loading.load == LoadCase::Pressure)
+  {
+    s.pressure = loading.pressure;
+    s.pores.emplace(bonds, phase, loading.pressureIn, loading.straightSides);
+    s.load.emplace(l);
+    s.highLayers = { n, n };
+    if (loading.straightSides)
+    {
+      holdSides(bonds, layers, s);
+      s.lowLayers = { 0, layers };
+      s.highLayers = { n - layers, n };
+    }
+    s.pores->apply(bonds, s.pressure, *s.load);
+    const LostPieces lost = looseUnderPressure(bonds, s);
+    s.loosePieces = lost.pieces;
+    s.looseNodes = lost.nodes;
+    if (s.pores->faces() == 0)
+      throw NoPathError(fmt::format("no pore holds a pressure once {} loose pieces are out", lost.pieces),
+        "look at the phases; a longer horizon or more matrix would join the pieces");
+    exchangeFixed(bonds, s.fixed);
+    return s;
+  }
   s.lowLayers = { 0, layers };
   s.highLayers = { n - layers, n };
   const double length = static_cast<double>(n - 2 * layers + 1) * bonds.spacing();
@@ -139,7 +276,7 @@ LoadedSample applyLoading(const BondLattice& bonds, const Loading& loading)
       const bool high = layer >= n - layers;
       if (!bonds.solid(i))
         return;
-      switch (loading.load)
+      switch (loading.load) // a pressure returned above
       {
         case LoadCase::Stretch:
           if (low || high)
@@ -167,6 +304,8 @@ LoadedSample applyLoading(const BondLattice& bonds, const Loading& loading)
             s.displacement.component(c)[i] = (c == axis ? loading.strain : loading.lateralStrain) *
               static_cast<double>(m - 2 * layers + 1) * bonds.spacing() * share(node[b], m);
           }
+          break;
+        case LoadCase::Pressure:
           break;
       }
     });

@@ -67,6 +67,32 @@ class Equilibrium(Case):
         fine = self.works(*BAR, "--young", "stone=2e9", "--refine", "2", "--solver", "jacobi", "--json").json()
         self.assertEqual((fine["size"], fine["refine"], fine["pixel_size"]), ([60, 120], 2, 1e-5))
 
+    def test_pressure_in_a_lumen(self):
+        squares = [[(x - 29.5) ** 2 + (y - 29.5) ** 2 for x in range(60)] for y in range(60)]
+        ring = [[0 if r < 13.5**2 else 255 if r < 27.5**2 else 128 for r in row] for row in squares]
+        self.write("ring.png", pictures.png(ring, pixels_per_metre=100000))
+        cell = ["equilibrium", "ring.png", "--phase", "255=wall,0=lumen,128=air", "--young", "wall=2e9", "--critical-stretch",
+                "wall=0.01", "--micromodulus", "isotropic", "--load", "pressure"]  # fmt: skip
+        found = self.works(*cell, "--pressure", "2e6", "--pressure-in", "lumen", "--json").json()
+        self.assertEqual((found["load"], found["effective_stress"], found["platen_layers"]), ("pressure", 2e6, None))
+        # Lamé: dV/V = 2 p/E ((b² + a²)/(b² − a²) + ν); soft surfaces and pixels: 5 to 9 % at such a size (PorePressure)
+        exact = 2 * 2e6 / 2e9 * ((27.5**2 + 13.5**2) / (27.5**2 - 13.5**2) + 1 / 3)
+        self.assertAlmostEqual(found["strain"] / exact, 1.07, delta=0.02)
+        self.assertEqual(round(found["pore_volume"] * 1e10), sum(row.count(0) for row in ring))
+        self.assertEqual((found["open_pore_nodes"], found["warnings"]), (0, []))
+        suction = self.works(*cell, "--pressure", "-2e6", "--pressure-in", "lumen", "--json").json()
+        self.assertAlmostEqual(suction["strain"], -found["strain"], places=9)
+        both = self.run_lamella(*cell)  # in the air around, too, which is open
+        self.assertIn("volumetric modulus", both.out)
+        self.assertIn(f"{sum(row.count(128) for row in ring)} nodes of the phases under pressure lie in pores that are open", both.err)
+        self.fails(2, "a pressure is to act in wall, which is solid", "phases that are void", *cell, "--pressure-in", "wall")
+        self.fails(2, "'lume' is no phase", "lumen", *cell, "--pressure-in", "lume")
+        self.fails(2, "the pressure is 0", "suction is negative", *cell, "--pressure", "0")
+        self.fails(2, "a pressure in large strains", "leave large strains out", *cell, "--large-strains")
+        self.fails(2, "the direct solver of a sample that nothing holds", "multigrid", *cell, "--solver", "direct")
+        self.fails(4, "a pressure, but no pore for it", "phases that are empty", *BAR, "--young", "stone=2e9", "--load", "pressure")
+        self.fails(2, "straight sides counts only with load pressure", "", *cell[:-2], "--straight-sides")
+
     def test_what_the_materials_do_to_the_first_break(self):
         # of one material it breaks at a stress in proportion to E s0, with s0 ~ sqrt(Gc / E)
         bar = [*BAR, "--fracture-energy", "stone=10±2", "--young", "stone=2e9+-2e8"]

@@ -45,6 +45,28 @@ class Fracture(Case):
         self.assertEqual(batched["method"], "accurate")
         self.assertLess(batched["statistics"]["events"], batched["broken"])
 
+    def test_a_cell_that_bursts(self):
+        squares = [[(x - 19.5) ** 2 + (y - 19.5) ** 2 for x in range(40)] for y in range(40)]
+        ring = [[0 if r < 9**2 else 255 if r < 15**2 else 128 for r in row] for row in squares]
+        self.write("ring.png", pictures.png(ring, pixels_per_metre=100000))
+        cell = ["fracture", "ring.png", "--phase", "255=wall,0=lumen,128=air", "--young", "wall=2e9", "--critical-stretch",
+                "wall=0.01", "--pressure-in", "lumen", "--load", "pressure"]  # fmt: skip
+        found = self.works(*cell, "--json").json()
+        self.assertEqual((found["load"], found["method"], found["suction"]), ("pressure", "accurate", False))
+        self.assertGreater(found["broken"], 20)
+        self.assertGreaterEqual(found["peak_stress"], found["first_break"]["stress"])
+        # of the same sample, by the same solver
+        linear = self.works("equilibrium", *cell[1:], "--json").json()
+        self.assertAlmostEqual(found["first_break"]["stress"] / linear["first_break"]["stress"], 1, places=5)
+        self.assertAlmostEqual(found["effective_modulus"] / linear["effective_modulus"], 1, places=5)
+        sucked = self.works(*cell, "--suction", "--max-broken", "1", "--json").json()
+        self.assertTrue(sucked["suction"])
+        self.assertIn("suction", self.works(*cell, "--suction", "--max-broken", "1").out)
+        self.fails(2, "a pressure with local corrections", "accurate", *cell, "--method", "events")
+        self.fails(2, "compression of a sample under a pressure", "suction", *cell, "--compression")
+        self.fails(2, "a window error of a sample under a pressure", "leave it out", *cell, "--window-error")
+        self.fails(2, "suction", "load pressure", *cell[:-4], "--suction")
+
     def test_surfaces_that_lie_elsewhere(self):
         self.write("cell.png", pictures.png([[0 if (x - 20) ** 2 + (y - 22) ** 2 < 100 else 255 for x in range(40)] for y in range(44)],
                                             pixels_per_metre=100000))  # fmt: skip

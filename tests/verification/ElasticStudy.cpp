@@ -288,7 +288,7 @@ TEST(ElasticStudy, DoubtsAreNamed)
   EXPECT_EQ(
     doubtWarning(0.023).find("forces through sections of the sample differ by 0.023 times that on the platens: "), 0U);
   EXPECT_EQ(
-    doubtWarning(0.023, true).find("the forces that are not in balance do 0.023 times the work of the traction: "), 0U);
+    doubtWarning(0.023, true).find("the forces that are not in balance do 0.023 times the work of the load: "), 0U);
 }
 
 // Each warning has its numbers.

@@ -76,8 +76,14 @@ Json statesJson(
 void addPlatens(Json& json, const BondFields& f)
 {
   addKeys(json, f, { { "gauge_length" }, { "section_area" } });
-  json["platen_layers"] = Json{ { "low", { f.whole("platen_layers", 0), f.whole("platen_layers", 1) } },
-    { "high", { f.whole("platen_layers", 2), f.whole("platen_layers", 3) } } };
+  json["platen_layers"] = nullptr;
+  json["pore_volume"] = nullptr;
+  json["open_pore_nodes"] = nullptr;
+  if (!fieldNumbers(f.image, "pore_volume").empty())
+    addKeys(json, f, { { "pore_volume" }, { "open_pore_nodes", Key::Kind::Whole } });
+  if (f("platen_layers", 1) >= 0)
+    json["platen_layers"] = Json{ { "low", { f.whole("platen_layers", 0), f.whole("platen_layers", 1) } },
+      { "high", { f.whole("platen_layers", 2), f.whole("platen_layers", 3) } } };
 }
 
 std::string checkpointsText(const BondFields& f, const char* what)
@@ -187,6 +193,10 @@ std::string lengthsText(const BondRun& run, const std::vector<double>& lengths)
 
 std::string platensText(const BondRun& run)
 {
+  const BondFields fields(run);
+  if (fields.text("load") == "pressure")
+    return fmt::format("  Strain: growth of the {:.4g} {} of pores under pressure, over that; stress: the pressure.\n",
+      fields("pore_volume"), fields.dimension == 2 ? "m²" : "m³");
   return fmt::format("  Strain: movement of the platen over the {} between the platens; stress: force over the\n"
                      "  section of the box, voids included.\n",
     lengthsText(run, { BondFields(run)("gauge_length") }));

@@ -72,10 +72,19 @@ std::string equilibriumTable(const BondRun& report)
   const BondFields f(report);
   std::string text = sampleText(report, true);
   const bool shear = f.text("load") == "shear";
-  text += fmt::format("\n  {} along {} at a strain of {:g}\n", f.text("load"), f.text("load_axis"), f("strain"));
-  text += fmt::format(
-    "    effective {}  {}\n", shear ? "shear modulus  " : "modulus        ", pascal(f("effective_modulus")));
-  text += fmt::format("    stress on the platen       {}\n", pascal(f("effective_stress")));
+  if (f.text("load") == "pressure")
+  {
+    text += fmt::format("\n  a pressure of {} in closed pores\n", pascal(f("effective_stress")));
+    text += fmt::format("    pores grow by              {:.6g}\n", f("strain"));
+    text += fmt::format("    volumetric modulus         {}\n", pascal(f("effective_modulus")));
+  }
+  else
+  {
+    text += fmt::format("\n  {} along {} at a strain of {:g}\n", f.text("load"), f.text("load_axis"), f("strain"));
+    text += fmt::format(
+      "    effective {}  {}\n", shear ? "shear modulus  " : "modulus        ", pascal(f("effective_modulus")));
+    text += fmt::format("    stress on the platen       {}\n", pascal(f("effective_stress")));
+  }
   if (sizeKnown(report))
   {
     text +=

@@ -158,7 +158,7 @@ std::string fractureJson(const FractureReport& report)
     { { "strain" }, { "stress" }, { "broken", Whole, "broken_bonds" }, { "hinges", Whole } });
   addKeys(json, f,
     { { "continued_at", Whole }, { "states_before", Whole }, { "checkpoints", Whole }, { "last_checkpoint", Whole },
-      { "load", Text }, { "axis", Text, "load_axis" }, { "compression", Flag }, { "method", Text },
+      { "load", Text }, { "axis", Text, "load_axis" }, { "compression", Flag }, { "suction", Flag }, { "method", Text },
       { "breaking", Text } });
   addPlatens(json, f);
   addModel(json, f);
@@ -209,9 +209,18 @@ std::string fractureTable(const FractureReport& report)
   const BondFields f(report.run);
   std::string text = sampleText(report.run, true);
   const bool shear = f.text("load") == "shear";
-  text += fmt::format("\n  {} along {}{}\n", f.text("load"), f.text("load_axis"),
-    f("compression") != 0 ? ", platens approaching: strains and stresses are positive in compression" : "");
-  text += fmt::format("    {}  {}\n", shear ? "shear modulus   " : "modulus         ", pascal(f("effective_modulus")));
+  const bool pressure = f.text("load") == "pressure";
+  if (pressure)
+    text += fmt::format("\n  {} in closed pores\n",
+      f("suction") != 0 ? "suction: pressures, and what pores lose of their volume, are positive" : "pressure");
+  else
+    text += fmt::format("\n  {} along {}{}\n", f.text("load"), f.text("load_axis"),
+      f("compression") != 0 ? ", platens approaching: strains and stresses are positive in compression" : "");
+  text += fmt::format("    {}  {}\n",
+    pressure  ? "volume modulus  "
+      : shear ? "shear modulus   "
+              : "modulus         ",
+    pascal(f("effective_modulus")));
   if (f("total_broken") > 0)
   {
     const std::vector<std::string> names = fieldTexts(report.run.image, "phase_names");

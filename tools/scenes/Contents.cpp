@@ -56,7 +56,7 @@ const std::map<std::string, std::string>& reports()
       "effective_modulus:Pa effective_stress:Pa strain first_break{strain stress:Pa position phases} "
       "sensitivity{*{*}} relative_sensitivity{*{*}} input_errors{*} largest_stretch_ratio "
       "mean_stress{xx:Pa yy:Pa zz:Pa xy:Pa yz:Pa xz:Pa} reactions{low high} elastic_energy platen_layers{low high} "
-      "solver iterations "
+      "pore_volume open_pore_nodes solver iterations "
       "newton_steps residual levels products bond_seconds load_seconds setup_seconds solve_seconds "
       "measure_seconds sensitivity_seconds" +
         platens + model + sizes },
@@ -65,8 +65,8 @@ const std::map<std::string, std::string>& reports()
       "sensitivity{*{*}} relative_sensitivity{*{*}} input_errors{*} surface_doubt segmentation_errors{*} "
       "total_errors{*} window_errors{*} size_effect{exponent "
       "weibull_modulus} broken "
-      "broken_by_pair broken_energy end end_reason states compression method breaking platen_layers{low high} "
-      "statistics" +
+      "broken_by_pair broken_energy end end_reason states compression suction method breaking platen_layers{low high} "
+      "pore_volume open_pore_nodes statistics" +
         goesOn + platens + model + sizes },
     { "dynamics",
       "peak_stress:Pa peak_strain peak_time:s peak_broken first_break_time:s broken broken_by_pair energies{kinetic "

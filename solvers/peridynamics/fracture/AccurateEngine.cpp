@@ -1,49 +1,63 @@
 #include "peridynamics/fracture/AccurateEngine.h"
 
 #include "core/Clock.h"
+#include "core/Error.h"
 
 #include "peridynamics/Fragments.h"
 #include "peridynamics/RimExchange.h"
 #include "peridynamics/fracture/LoosePieces.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lamella::peridynamics
 {
-AccurateEngine::AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
+AccurateEngine::AccurateEngine(BondLattice& bonds, LoadedSample& sample, const PlatenForce& platens, double unitStrain,
   double tolerance, std::function<bool(double)> progress)
   : bonds_(bonds)
   , sample_(sample)
   , platens_(platens)
+  , unitStrain_(unitStrain)
   , tolerance_(tolerance)
   , graph_(bonds)
   , u_(sample.displacement)
 {
   prepare();
   equilibrium_->setProgress(std::move(progress));
-  equilibrium_->setDoubt(
-    [this](const NodeField<double>&, const NodeField<double>& force) { return platens_.imbalance(bonds_, force); });
+  equilibrium_->setDoubt([this](const NodeField<double>& u, const NodeField<double>& force)
+    { return sample_.pores ? workOfResidual(bonds_, sample_, u, force) : platens_.imbalance(bonds_, force); });
   solve();
   equilibrium_->setProgress({}); // of those that follow, the events are
   equilibrium_->setDoubt({});
 }
 
-AccurateEngine::AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
+AccurateEngine::AccurateEngine(BondLattice& bonds, LoadedSample& sample, const PlatenForce& platens, double unitStrain,
   double tolerance, const EngineState& resumed)
   : bonds_(bonds)
   , sample_(sample)
   , platens_(platens)
+  , unitStrain_(unitStrain)
   , tolerance_(tolerance)
   , graph_(bonds)
   , u_(resumed.displacement)
 {
   bonds.exchange(u_);
   force_ = resumed.numbers.at("force");
+  if (sample.pores)
+    scale_ = resumed.numbers.at("scale");
   statistics_ = resumed.statistics;
   loose_ = statistics_.looseNodes;
 }
 
 AccurateEngine::~AccurateEngine() = default;
+
+EngineState AccurateEngine::state() const
+{
+  EngineState state{ u_, { { "force", force_ } }, statistics_ };
+  if (sample_.pores)
+    state.numbers["scale"] = scale_;
+  return state;
+}
 
 void AccurateEngine::prepare()
 {
@@ -60,7 +74,21 @@ void AccurateEngine::solve()
   if (!equilibrium_)
     prepare();
   const bool fresh = fresh_;
-  const EquilibriumResult r = equilibrium_->solve(u_);
+  EquilibriumResult r;
+  try
+  {
+    r = equilibrium_->solve(u_, sample_.load ? &*sample_.load : nullptr);
+  }
+  catch (const DivergenceError&)
+  {
+    // what a pressure moves without end is a mechanism: the last bonds of a wall are a hinge
+    constexpr double endless = 1e3;
+    if (!sample_.pores || force_ == 0 || std::abs(poreStrain(bonds_, sample_, u_)) < endless * unitStrain_ / scale_)
+      throw;
+    holds_ = false;
+    statistics_.globalSeconds += seconds() - start;
+    return;
+  }
   if (fresh)
     usual_ = r.iterations;
   else if (r.iterations > usual_ + 5)
@@ -69,16 +97,39 @@ void AccurateEngine::solve()
   ++statistics_.equilibria;
   statistics_.globalIterations += r.iterations;
   statistics_.bytes = r.bytes;
-  NodeField<double> f(bonds_.layout());
-  linearForce(bonds_, u_, f);
-  force_ = platens_.of(bonds_, f);
+  measure();
   statistics_.globalSeconds += seconds() - start;
+}
+
+void AccurateEngine::measure()
+{
+  if (!sample_.pores)
+  {
+    NodeField<double> f(bonds_.layout());
+    linearForce(bonds_, u_, f);
+    force_ = platens_.of(bonds_, f);
+    return;
+  }
+  if (!sample_.held)
+    takeOutRigidMotion(bonds_, *sample_.pores, u_);
+  scale_ = unitStrain_ / std::abs(poreStrain(bonds_, sample_, u_));
+  force_ = scale_ * std::abs(sample_.pressure);
+}
+
+NodeField<double> AccurateEngine::displacement()
+{
+  NodeField<double> u = u_;
+  for (int c = 0; c < u.components(); ++c)
+    for (std::int64_t i = 0; i < u.layout().count(); ++i)
+      u.component(c)[i] *= scale_;
+  return u;
 }
 
 StretchMaximum AccurateEngine::mostCritical()
 {
   const double start = seconds();
-  const StretchMaximum most = largestStretch(bonds_, u_, false);
+  StretchMaximum most = largestStretch(bonds_, u_, false);
+  most.ratio *= scale_;
   statistics_.searchSeconds += seconds() - start;
   return most;
 }
@@ -99,7 +150,7 @@ std::vector<Bond> AccurateEngine::critical(double ratio)
           for (int c = 0; c < l.dimension; ++c)
             along += half.step[static_cast<std::size_t>(c)] * (u_.component(c)[j] - u_.component(c)[i]);
           const double s = along / (half.length * half.length * bonds_.spacing());
-          if (s < ratio * bonds_.kinds()[static_cast<std::size_t>(kind)].criticalStretch)
+          if (scale_ * s < ratio * bonds_.kinds()[static_cast<std::size_t>(kind)].criticalStretch)
             return;
           const Bond b = bonds_.bond(i, o);
           mine.insert(mine.end(), { b.node[0], b.node[1], b.node[2], b.offset });
@@ -144,6 +195,18 @@ void AccurateEngine::breakBonds(std::span<const Bond> bonds)
 void AccurateEngine::takeOutLoosePieces()
 {
   ++statistics_.searches;
+  if (sample_.pores)
+  {
+    const LostPieces lost = looseUnderPressure(bonds_, sample_);
+    if (lost.pieces == 0)
+      return;
+    statistics_.loosePieces += lost.pieces;
+    statistics_.looseNodes += lost.nodes;
+    holds_ = sample_.pores->faces() > 0;
+    statistics_.looseBonds += bonds_.breakBonds(lost.bonds);
+    equilibrium_.reset();
+    return;
+  }
   const AlignedArray<std::uint8_t> marks = platens_.marks(bonds_, sample_);
   const Fragments fragments = findFragments(bonds_, &marks);
   holds_ = false;

@@ -10,42 +10,49 @@
 namespace lamella::peridynamics
 {
 
-/// One equilibrium to the tolerance after every break.
+/// One equilibrium to the tolerance after every break. Under a pressure it is found at the pressure of the load, and
+/// scaled to that at which the pores have grown by the unit strain.
 class AccurateEngine final : public FractureEngine
 {
 public:
   /// Solves the first equilibrium.
+  /// @param sample must outlive this; under a pressure pieces that come loose change its load
+  /// @param unitStrain of the unit load
   /// @param progress of it, as EquilibriumOptions::progress; may be empty
-  AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, double tolerance,
-    std::function<bool(double)> progress);
+  AccurateEngine(BondLattice& bonds, LoadedSample& sample, const PlatenForce& platens, double unitStrain,
+    double tolerance, std::function<bool(double)> progress);
   /// @param resumed of another one with these bonds
-  AccurateEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, double tolerance,
-    const EngineState& resumed);
+  AccurateEngine(BondLattice& bonds, LoadedSample& sample, const PlatenForce& platens, double unitStrain,
+    double tolerance, const EngineState& resumed);
   ~AccurateEngine() override;
 
   StretchMaximum mostCritical() override;
   std::vector<Bond> critical(double ratio) override;
   void breakBonds(std::span<const Bond> bonds) override;
   bool settle(Nearness) override { return false; }
-  NodeField<double> displacement() override { return u_; }
+  NodeField<double> displacement() override;
   void renew() override { equilibrium_.reset(); }
-  [[nodiscard]] EngineState state() const override { return { u_, { { "force", force_ } }, statistics_ }; }
+  [[nodiscard]] EngineState state() const override;
   [[nodiscard]] double force() const override { return force_; }
   [[nodiscard]] bool holds() const override { return holds_; }
 
 private:
   void prepare();
   void solve();
+  /// What follows from displacements at equilibrium.
+  void measure();
   /// Do the ends of all these (broken) bonds still have a neighbour in common?
   [[nodiscard]] bool joined(std::span<const Bond> bonds) const;
   void takeOutLoosePieces();
 
   BondLattice& bonds_;
-  const LoadedSample& sample_;
+  LoadedSample& sample_;
   PlatenForce platens_;
+  double unitStrain_;
   double tolerance_;
   BondGraph graph_;
   NodeField<double> u_;
+  double scale_ = 1; ///< of u to what it is at unit load; not 1 under a pressure
   double force_ = 0;
   bool holds_ = true;
   std::int64_t loose_ = 0; ///< nodes, at the last search

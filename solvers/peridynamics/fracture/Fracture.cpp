@@ -36,6 +36,8 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
   if (loading.load == LoadCase::Traction)
     throw ParameterError("fracture under a traction: after the peak no equilibrium can hold it",
       "load by a strain; the record's critical strains and stresses follow every snap-back");
+  if (loading.load == LoadCase::Pressure && o.method == FractureMethod::Events)
+    throw ParameterError("fracture under a pressure with local corrections", "use the accurate method");
   if (!(loading.strain != 0) || !std::isfinite(loading.strain))
     throw ParameterError(fmt::format("the strain {} gives the load no direction", loading.strain),
       "give any strain but 0, such as 1e-3: it is scaled to the breaks");
@@ -99,6 +101,25 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
         "the defaults serve most samples");
 }
 
+/// The same of a sample under pressure: the residual's work over the load's.
+void requireBalance(const BondLattice& bonds, const LoadedSample& sample, const NodeField<double>& displacement,
+  double tolerance, FractureRecord& record)
+{
+  NodeField<double> force(bonds.layout());
+  linearForce(bonds, displacement, force);
+  for (int c = 0; c < force.components(); ++c)
+    for (std::int64_t i = 0; i < force.layout().count(); ++i)
+      force.component(c)[i] += sample.load->component(c)[i];
+  record.imbalance = workOfResidual(bonds, sample, displacement, force);
+  record.carried = 1;
+  if (record.imbalance > balanced)
+    throw InputError(
+      fmt::format("the pressure is hardly borne at a tolerance of {:g}: what is out of balance does {:.2g} "
+                  "of its work (at most {:g})",
+        tolerance, record.imbalance, balanced),
+      "where walls hang together by hinges only, a longer horizon or thicker walls; else a tighter tolerance");
+}
+
 /// @param displacement at the first equilibrium
 /// Sets FractureRecord::imbalance and carried.
 void requireBalance(const BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
@@ -132,6 +153,8 @@ std::string describe(FractureEnd end)
       return "the stress fell to the share of the peak at which to stop";
     case FractureEnd::Severed:
       return "no piece reaches from platen to platen any more";
+    case FractureEnd::PoresOpen:
+      return "the walls of pores have parted: nothing bears a pressure any more";
     case FractureEnd::NothingBreaks:
       return "no bond that can break is stretched";
     case FractureEnd::MaxStrain:
@@ -144,27 +167,28 @@ std::string describe(FractureEnd end)
   return {};
 }
 
-QuasiStaticFracture::QuasiStaticFracture(BondLattice& bonds, const Loading& loading, FractureOptions options)
+QuasiStaticFracture::QuasiStaticFracture(
+  BondLattice& bonds, const Loading& loading, FractureOptions options, std::span<const std::uint8_t> phase)
   : bonds_(bonds)
   , options_(std::move(options))
 {
   check(bonds, loading, options_);
   const double start = seconds();
   reference_ = std::abs(loading.strain);
-  sample_ = applyLoading(bonds, loading);
+  sample_ = applyLoading(bonds, loading, phase);
   const PlatenForce platens(bonds, loading, sample_);
-  area_ = platens.area();
+  area_ = sample_.pores ? 1 : platens.area();
   const NodeLayout& l = bonds.layout();
   const bool tiny = l.global[0] * l.global[1] * l.global[2] <= MultigridOptions{}.coarsest; // no coarser level
   const bool accurate = options_.method == FractureMethod::Accurate || tiny;
   if (!options_.checkpoint.path.empty() || !options_.continueFrom.empty())
-    scene_ = sceneOf(bonds) + sceneOf(loading, options_);
+    scene_ = sceneOf(bonds) + sceneOf(loading, options_) + sceneOf(bonds, sample_);
   checkPlace(options_.checkpoint, bonds.communicator());
   if (!options_.continueFrom.empty())
   {
     const EngineState resumed = restore(platens);
     if (accurate)
-      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance, resumed);
+      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, reference_, options_.tolerance, resumed);
     else
       engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance, resumed);
     return;
@@ -173,10 +197,14 @@ QuasiStaticFracture::QuasiStaticFracture(BondLattice& bonds, const Loading& load
   if (options_.progress)
     progress = [this](double share) { return options_.progress({ .equilibrium = share }); };
   if (accurate)
-    engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, options_.tolerance, std::move(progress));
+    engine_ =
+      std::make_unique<AccurateEngine>(bonds_, sample_, platens, reference_, options_.tolerance, std::move(progress));
   else
     engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance, progress);
-  requireBalance(bonds_, sample_, platens, engine_->state().displacement, options_.tolerance, record_);
+  if (sample_.pores)
+    requireBalance(bonds_, sample_, engine_->state().displacement, options_.tolerance, record_);
+  else
+    requireBalance(bonds_, sample_, platens, engine_->state().displacement, options_.tolerance, record_);
   record_.modulus = stress(1) / reference_;
   record_.statistics = engine_->statistics();
   record_.statistics.totalSeconds = seconds() - start;
@@ -281,7 +309,7 @@ bool QuasiStaticFracture::report()
 FractureEnd QuasiStaticFracture::step()
 {
   if (!engine_->holds())
-    return FractureEnd::Severed;
+    return sample_.pores ? FractureEnd::PoresOpen : FractureEnd::Severed;
   if (static_cast<std::int64_t>(record_.broken.size()) >= options_.maxBroken)
     return FractureEnd::MaxBroken;
   const StretchMaximum most = engine_->mostCritical();

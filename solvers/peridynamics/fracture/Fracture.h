@@ -126,7 +126,8 @@ enum class FractureEnd
   NothingBreaks,
   MaxStrain,
   MaxBroken,
-  Interrupted ///< by FractureOptions::progress; run() goes on
+  Interrupted, ///< by FractureOptions::progress; run() goes on
+  PoresOpen    ///< LoadCase::Pressure: walls have parted, and no pressure is in balance any more
 };
 [[nodiscard]] std::string describe(FractureEnd end);
 
@@ -171,6 +172,8 @@ struct FractureRecord
 
 /// Lines "what: value" of all about a load and its options that decides over the bonds that break. Limits do not.
 [[nodiscard]] std::string sceneOf(const Loading& loading, const FractureOptions& options);
+/// The same of the forces on the sample; empty where platens load it. Collective.
+[[nodiscard]] std::string sceneOf(const BondLattice& bonds, const LoadedSample& sample);
 
 /// What the method does between two breaks.
 class FractureEngine;
@@ -188,15 +191,19 @@ public:
   /// @param bonds not broken yet, also when it goes on; loses the bonds that break, and all bonds of pieces that come
   /// loose; must outlive this
   /// @param loading Stretch, Shear or Biaxial; its strain only gives the direction and the scale: the record's strains
-  /// and stresses are positive along it
+  /// and stresses are positive along it. Or Pressure, of which the sign counts alone: the pores are made larger (or
+  /// smaller, under suction) by what is the strain then, their volume's share, and the stress is the pressure. The most
+  /// critical bond is the same where the pressure is held instead, and so is the peak
+  /// @param phase as applyLoading()
   /// @throws ParameterError: options outside their range, a traction (the load cannot be held after the peak), no
-  /// strain; with FractureMethod::Events several ranks, periodic sides, batches
+  /// strain; with FractureMethod::Events several ranks, periodic sides, batches, a pressure
   /// @throws NoPathError: a sample already in two pieces; as applyLoading() and Equilibrium otherwise
   /// @throws InputError: a first equilibrium in which sections bear another force than the platens, by more than 0.5 %:
   /// only hinges reach through, or the tolerance is too loose for the sample
   /// @throws InputError: a checkpoint of another scene, cut off, damaged or newer; a place where none can be written
   /// @throws Cancelled: FractureOptions::progress asked for it; no bond is broken then
-  QuasiStaticFracture(BondLattice& bonds, const Loading& loading, FractureOptions options = {});
+  QuasiStaticFracture(
+    BondLattice& bonds, const Loading& loading, FractureOptions options = {}, std::span<const std::uint8_t> phase = {});
   ~QuasiStaticFracture();
   QuasiStaticFracture(const QuasiStaticFracture&) = delete;
   QuasiStaticFracture& operator=(const QuasiStaticFracture&) = delete;

@@ -58,7 +58,7 @@ io::CheckpointArray listOf(const List& list, const char* unit, const char* descr
 
 std::string sceneOf(const Loading& l, const FractureOptions& o)
 {
-  const char* cases[] = { "stretch", "shear", "biaxial", "traction" };
+  const char* cases[] = { "stretch", "shear", "biaxial", "traction", "pressure" };
   std::string text;
   const auto line = [&](const char* name, const auto& value) { text += fmt::format("{}: {}\n", name, value); };
   line("load", cases[static_cast<int>(l.load)]);
@@ -88,6 +88,23 @@ std::string sceneOf(const Loading& l, const FractureOptions& o)
   line("tolerance before a rise", e.riseTolerance);
   line("tolerance before a rise below the peak", e.softeningTolerance);
   return text;
+}
+
+std::string sceneOf(const BondLattice& bonds, const LoadedSample& sample)
+{
+  if (!sample.pores)
+    return "";
+  const NodeLayout& l = bonds.layout();
+  const std::string hash = hashOfRows(bonds,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      std::string row;
+      for (int c = 0; c < l.dimension; ++c)
+        row.append(reinterpret_cast<const char*>(sample.load->component(c) + l.index(0, y, z)),
+          static_cast<std::size_t>(l.size[0]) * sizeof(double));
+      return row;
+    });
+  return fmt::format("sides: {}\nforces of the pressure: {}\n", sample.held ? "straight" : "free", hash);
 }
 
 void QuasiStaticFracture::save()
@@ -189,8 +206,13 @@ EngineState QuasiStaticFracture::restore(const PlatenForce& platens)
     options_.takeBack(c);
   bonds_.breakBonds(comm.rank() == 0 ? std::span<const Bond>(list) : std::span<const Bond>());
   // what has come loose since follows from what has broken
-  const AlignedArray<std::uint8_t> marks = platens.marks(bonds_, sample_);
-  bonds_.breakBonds(bondsOfLoosePieces(bonds_, findFragments(bonds_, &marks)));
+  if (sample_.pores)
+    bonds_.breakBonds(looseUnderPressure(bonds_, sample_).bonds);
+  else
+  {
+    const AlignedArray<std::uint8_t> marks = platens.marks(bonds_, sample_);
+    bonds_.breakBonds(bondsOfLoosePieces(bonds_, findFragments(bonds_, &marks)));
+  }
   if (static_cast<double>(bonds_.bonds()) != c.number("bonds left"))
     throw InputError(
       fmt::format("{} bonds are left of the sample, {} in the checkpoint", bonds_.bonds(), c.number("bonds left")),

@@ -24,8 +24,8 @@ constexpr double small = 0.1;
 
 FractureMethod methodOf(const FractureStudyOptions& o, const BondModel& model, const Communicator& comm)
 {
-  const bool events =
-    !comm.parallel() && model.periodic == std::array<bool, 3>{} && o.fracture.breaking == Breaking::Strict;
+  const bool events = o.loading.load != LoadCase::Pressure && !comm.parallel() &&
+    model.periodic == std::array<bool, 3>{} && o.fracture.breaking == Breaking::Strict;
   return o.method.value_or(events ? FractureMethod::Events : FractureMethod::Accurate);
 }
 
@@ -125,7 +125,10 @@ private:
     Equilibrium equilibrium(bonds_, fracture.sample().fixed, o);
     try
     {
-      const EquilibriumResult r = equilibrium.solve(*unit_);
+      const LoadedSample& sample = fracture.sample();
+      const EquilibriumResult r = equilibrium.solve(*unit_, sample.load ? &*sample.load : nullptr);
+      if (!sample.held)
+        takeOutRigidMotion(bonds_, *sample.pores, *unit_);
       s.hinges = r.hinges;
       s.iterations = r.iterations;
     }
@@ -135,7 +138,8 @@ private:
         fmt::format("the displacements after {} broken bonds are not at rest: {}", s.broken, e.what()));
     }
     s.displacement = *unit_;
-    const double scale = s.strain / std::abs(options_.loading.strain);
+    const double pressure = fracture.sample().pressure;
+    const double scale = pressure != 0 ? s.stress / std::abs(pressure) : s.strain / std::abs(options_.loading.strain);
     for (int c = 0; c < s.displacement->components(); ++c)
       for (std::int64_t i = 0; i < bonds_.layout().count(); ++i)
         s.displacement->component(c)[i] *= scale;
@@ -208,6 +212,8 @@ void warn(const BondModel& model, double tolerance, FractureResult& r)
   std::vector<std::string> warnings = modelWarnings(model, r.thickness);
   if (r.loosePieces > 0)
     warnings.push_back(looseWarning(r.loosePieces, r.looseNodes, r.solidNodes));
+  if (r.openNodes > 0)
+    warnings.push_back(openWarning(r.openNodes));
   if (const std::string text = doubtWarning(r.record.imbalance); !text.empty())
     warnings.push_back(text);
   const double left = tolerance / r.record.carried; // no number, or infinite, in a run that goes on
@@ -235,6 +241,7 @@ double fractureBytes(
   const BondModel& model, const Lattice& lattice, bool grains, const FractureStudyOptions& options, int ranks)
 {
   ElasticOptions elastic;
+  elastic.loading = options.loading;
   elastic.stress = options.stress;
   elastic.energyDensity = options.energyDensity;
   const Stencil stencil(lattice.dimension, model.horizon);
@@ -303,7 +310,7 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
     fractureOptions.keepWith = [&](io::Checkpoint& c) { fields->put(c); };
     fractureOptions.takeBack = [&](const io::Checkpoint& c) { fields->take(c); };
   }
-  QuasiStaticFracture fracture(bonds, options.loading, fractureOptions);
+  QuasiStaticFracture fracture(bonds, options.loading, fractureOptions, phase);
   latest.equilibrium = 1;
   r.continuedAt = fracture.record().statistics.events;
   const LoadedSample& sample = fracture.sample();
@@ -311,7 +318,13 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
   r.area = PlatenForce(bonds, options.loading, sample).area();
   r.lowPlaten = sample.lowLayers;
   r.highPlaten = sample.highLayers;
-  r.length = static_cast<double>(r.highPlaten[0] - r.lowPlaten[1] + 1) * lattice.spacing;
+  r.length =
+    sample.pores ? lattice.length(r.axis) : static_cast<double>(r.highPlaten[0] - r.lowPlaten[1] + 1) * lattice.spacing;
+  if (sample.pores)
+  {
+    r.poreVolume = sample.pores->volume();
+    r.openNodes = sample.pores->openNodes();
+  }
   r.loosePieces = sample.loosePieces;
   r.looseNodes = sample.looseNodes;
   r.firstSeconds = lap();
@@ -346,9 +359,11 @@ BondLattice remainingBonds(const BondModel& model, const Lattice& lattice, std::
   BondLattice bonds(model, lattice, phase, grain, comm);
   std::optional<LoadedSample> sample;
   if (held != nullptr)
-    sample = applyLoading(bonds, *held);
+    sample = applyLoading(bonds, *held, phase);
   bonds.breakBonds(comm.rank() == 0 ? broken : std::span<const Bond>());
-  if (sample)
+  if (sample && sample->pores)
+    bonds.breakBonds(looseUnderPressure(bonds, *sample).bonds);
+  else if (sample)
   {
     const AlignedArray<std::uint8_t> marks = PlatenForce(bonds, *held, *sample).marks(bonds, *sample);
     bonds.breakBonds(bondsOfLoosePieces(bonds, findFragments(bonds, &marks)));

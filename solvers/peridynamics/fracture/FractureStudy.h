@@ -71,6 +71,8 @@ struct FractureResult : SampleCounts
   std::array<std::int64_t, 2> highPlaten{};
   std::int64_t loosePieces = 0; ///< of the unbroken sample
   std::int64_t looseNodes = 0;
+  double poreVolume = 0;             ///< LoadCase::Pressure: of the closed pores [m³], [m²] of a picture
+  std::int64_t openNodes = 0;        ///< of the phases that the pressure acts in, but open: under none
   std::vector<std::string> warnings; ///< each one line, with its numbers
 
   double bondSeconds = 0;  ///< making the bonds

@@ -3,6 +3,7 @@
 #include "BondScene.h"
 #include "FieldNumbers.h"
 
+#include "vtkFieldData.h"
 #include "vtkImageData.h"
 
 #include <array>
@@ -83,6 +84,19 @@ void setPlatens(vtkImageData* output, const Result& r)
   setFieldNumber(output, "gauge_length", r.length);
   setFieldNumber(output, "loose_pieces", static_cast<double>(r.loosePieces));
   setFieldNumber(output, "loose_nodes", static_cast<double>(r.looseNodes));
+}
+
+/// What a pressure acts in, as field data; what an image has of it from before goes.
+/// @param r with poreVolume, openNodes
+template <class Result>
+void setPores(vtkImageData* output, const Result& r)
+{
+  for (const char* const name : { "pore_volume", "open_pore_nodes" })
+    output->GetFieldData()->RemoveArray(name);
+  if (!(r.poreVolume > 0))
+    return;
+  setFieldNumber(output, "pore_volume", r.poreVolume);
+  setFieldNumber(output, "open_pore_nodes", static_cast<double>(r.openNodes));
 }
 
 } // namespace lamella

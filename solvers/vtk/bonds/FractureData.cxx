@@ -21,8 +21,8 @@ namespace lamella
 {
 const char* wordOf(pd::FractureEnd end)
 {
-  constexpr std::array<const char*, 7> words{ "running", "stress-fell", "severed", "nothing-breaks", "maximum-strain",
-    "maximum-broken", "interrupted" };
+  constexpr std::array<const char*, 8> words{ "running", "stress-fell", "severed", "nothing-breaks", "maximum-strain",
+    "maximum-broken", "interrupted", "pores-open" };
   return words.at(static_cast<std::size_t>(end));
 }
 
@@ -107,6 +107,7 @@ void setFractureNumbers(vtkImageData* output, const pd::FractureResult& r)
   const bool some = !r.record.broken.empty();
   setPlatens(output, r);
   setWork(output, r);
+  setPores(output, r);
   set("effective_modulus", r.record.modulus);
   set("peak_stress", r.peak.stress);
   set("peak_strain", r.peak.strain);

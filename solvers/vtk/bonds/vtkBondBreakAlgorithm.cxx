@@ -186,7 +186,7 @@ void vtkBondBreakAlgorithm::Measure(vtkImageData* input, const lamella::Team& te
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
   const std::vector<double> count = lamella::fieldNumbers(state, "broken_bonds");
   const std::size_t broken = std::min(static_cast<std::size_t>(count.at(0)), this->Kept->Order.size());
-  const pd::Loading loading = this->Platens();
+  const pd::Loading loading = this->Platens(scene);
   const pd::ThreadScope threads(this->ThreadCount());
   const lamella::Communicator comm(team.comm());
   const pd::BondLattice bonds = pd::remainingBonds(scene.model(), scene.lattice(), scene.phase(), scene.grain(),

@@ -163,7 +163,7 @@ void vtkBondDynamics::SetMovement(const lamella::BondScene& scene, pd::DynamicsS
   if (this->Pull)
   {
     pd::PullOptions pull;
-    pull.loading = this->Platens();
+    pull.loading = this->Platens(scene);
     pull.loading.strain = this->Compression ? -1 : 1;
     pull.strainRate = this->StrainRate;
     pull.transits = this->TravelTimes;

@@ -49,7 +49,7 @@
  * @default CheckpointEvery 1000
  *
  * @without LargeStrains Tolerance ComputeSensitivity YoungsModulusUncertainties FractureEnergyUncertainties
- * @without ToughnessUncertainties CriticalStretchUncertainties
+ * @without ToughnessUncertainties CriticalStretchUncertainties PressurePhases StraightSides
  * @sa vtkBondFracture, vtkBondEquilibrium
  */
 

@@ -51,6 +51,7 @@ void setNumbers(vtkImageData* output, const pd::ElasticResult& r, const std::vec
     names = { phases.at(first.phases[0]), phases.at(first.phases[1]) };
   lamella::setFieldTexts(output, "first_break_phases", names);
   set("largest_stretch_ratio", r.largestRatio);
+  lamella::setPores(output, r);
   whole("hinges", r.solve.hinges);
   whole("iterations", r.solve.iterations);
   whole("newton_steps", r.solve.newtonSteps);
@@ -142,11 +143,12 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
   const lamella::BondScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
   pd::ElasticOptions options;
-  options.loading = this->Platens();
+  options.loading = this->Platens(scene);
   this->CheckLoad();
   options.loading.strain = this->Strain;
   options.loading.lateralStrain = this->LateralStrain;
   options.loading.traction = this->Traction;
+  options.loading.pressure = this->Pressure;
   options.equilibrium.solver = static_cast<pd::EquilibriumSolver>(this->Solver);
   options.equilibrium.strains = settings.largeStrains ? pd::Strains::Large : pd::Strains::Small;
   options.equilibrium.tolerance = this->Tolerance;
@@ -189,9 +191,11 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
   lamella::continueProvenance(output, "equilibrium",
     { { "model", model }, { "load", this->LoadName() }, { "axis", std::string(1, "xyz"[result.axis]) },
       { "strain", this->Strain }, { "lateral_strain", this->LateralStrain }, { "traction", this->Traction },
-      { "smooth_platens", this->SmoothPlatens }, { "rigid_platens", this->RigidPlatens },
-      { "platen_layers", this->PlatenLayers }, { "solver", solverName[static_cast<std::size_t>(this->Solver)] },
-      { "sensitivity", options.sensitivity }, { "tolerance", this->Tolerance } });
+      { "pressure", this->Pressure }, { "pressure_in", this->PressurePhases() },
+      { "straight_sides", this->StraightSides }, { "smooth_platens", this->SmoothPlatens },
+      { "rigid_platens", this->RigidPlatens }, { "platen_layers", this->PlatenLayers },
+      { "solver", solverName[static_cast<std::size_t>(this->Solver)] }, { "sensitivity", options.sensitivity },
+      { "tolerance", this->Tolerance } });
   if (team.rank() == 0)
     for (const std::string& warning : result.warnings)
       vtkWarningMacro(<< warning);
@@ -199,6 +203,8 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
 
 void vtkBondEquilibrium::CheckLoad() const
 {
+  if (this->Load == PRESSURE)
+    return; // the solver looks at it
   const bool traction = this->Load == TRACTION;
   const double load = traction ? this->Traction : this->Strain;
   if (load != 0 && !lamella::plausible(std::fabs(load)))

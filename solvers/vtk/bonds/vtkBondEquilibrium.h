@@ -22,7 +22,10 @@
  * Field data, forces of a picture being per metre of thickness:
  * - `effective_modulus` [Pa]: `effective_stress` over `strain`; a shear modulus where the load is shear
  * - `effective_stress` [Pa]: force on the platen along the load over the section of the box, voids included
- * - `strain`: applied; of a traction the one that it causes
+ * - `strain`: applied; of a traction the one that it causes; of a pressure what the pores gain of their volume, so that
+ *   `effective_stress` is the pressure and `effective_modulus` the volumetric elastic modulus of the pores (cells)
+ * - under a pressure `pore_volume` [m³] (of a picture [m²]), of the pores under it, and `open_pore_nodes`, which hold
+ * none
  * - `mean_stress` [Pa]: 6 numbers, over the whole box, platens and voids included
  * - `reaction_low`, `reaction_high` [N]: 3 numbers, forces that the sample exerts on the platens
  * - `elastic_energy` [J]
@@ -67,9 +70,10 @@ public:
 
   /**
    * The low platen never moves. Stretch: the high one moves along the axis. Shear: it moves across. Biaxial: smooth
-   * platens on all sides. Traction: a force spread evenly over the high end.
+   * platens on all sides. Traction: a force spread evenly over the high end. Pressure: no platens, but a pressure in
+   * pores that are closed.
    * @group Load
-   * @choice STRETCH SHEAR BIAXIAL TRACTION
+   * @choice STRETCH SHEAR BIAXIAL TRACTION PRESSURE
    */
   vtkSetMacro(Load, int);
 
@@ -97,6 +101,13 @@ public:
    * @advanced
    */
   vtkSettingMacro(Traction, double, 0);
+  /**
+   * Pressure: above that outside, in Pa; negative: suction, as of water under tension. Everything scales with it.
+   * @group Load
+   * @unit Pa
+   * @when Load PRESSURE
+   */
+  vtkSettingMacro(Pressure, double, 1e5);
 
   enum Solvers
   {

@@ -121,10 +121,26 @@ vtkBondFracture::~vtkBondFracture() = default;
 
 vtkAddToListMacro(vtkBondFracture, StateAtStrain, StatesAtStrains, double, Internal->Strains);
 
-void vtkBondFracture::SetOptions(pd::FractureStudyOptions& options) const
+void vtkBondFracture::CheckPressure() const
 {
-  options.loading = this->Platens();
+  if (this->Load != PRESSURE)
+    return;
+  const std::array<std::pair<bool, const char*>, 3> not_{ { { this->Compression, "compression" },
+    { this->EstimateWindowError, "a window error" },
+    { this->EstimateSegmentationError || this->SurfaceDoubt > 0, "a segmentation error" } } };
+  for (const auto& [asked, what] : not_)
+    if (asked)
+    {
+      throw lamella::ParameterError(std::string(what) + " of a sample under a pressure",
+        what == not_.front().second ? "leave it out; suction makes pores smaller" : "leave it out, or load by platens");
+    }
+}
+
+void vtkBondFracture::SetOptions(const lamella::BondScene& scene, pd::FractureStudyOptions& options) const
+{
+  options.loading = this->Platens(scene);
   options.loading.strain = this->Compression ? -1e-3 : 1e-3;
+  options.loading.pressure *= this->Suction ? -1 : 1;
   options.loading.lateralStrain = this->LateralRatio * options.loading.strain;
   options.fracture.breaking = static_cast<pd::Breaking>(this->Breaking);
   options.fracture.stopShare = this->StopShare;
@@ -149,6 +165,7 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
 {
   const lamella::BondSettings settings = this->Settings();
   check(settings);
+  this->CheckPressure();
   const bool surfaces = this->EstimateSegmentationError || this->SurfaceDoubt > 0;
   std::optional<MovedSurfaces> moved;
   if (surfaces)
@@ -160,7 +177,7 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   const lamella::BondScene scene(
     input, this->GetInputArrayInformation(0), this->GetInputArrayInformation(1), settings, team);
   pd::FractureStudyOptions options;
-  this->SetOptions(options);
+  this->SetOptions(scene, options);
   options.fracture.continueFrom = this->PrepareCheckpoints(input, team, options.fracture.checkpoint);
   bool unwritten = false; // the last checkpoint
   options.fracture.checkpoint.warn = [&unwritten](const std::string&) { unwritten = true; };
@@ -254,11 +271,13 @@ void vtkBondFracture::Describe(vtkImageData* image, const lamella::BondScene& sc
   const nlohmann::json model = lamella::describeModel(image, scene, settings);
   lamella::setFieldText(image, "load", this->LoadName());
   lamella::setFieldNumber(image, "compression", this->Compression ? 1.0 : 0.0);
+  lamella::setFieldNumber(image, "suction", this->Load == PRESSURE && this->Suction ? 1.0 : 0.0);
   lamella::setFieldText(image, "breaking", lamella::wordOf(breaking));
 
   lamella::continueProvenance(image, "fracture",
     { { "model", model }, { "load", this->LoadName() }, { "axis", std::string(1, "xyz"[result.axis]) },
-      { "compression", this->Compression }, { "lateral_ratio", this->LateralRatio },
+      { "compression", this->Compression }, { "suction", this->Suction }, { "pressure_in", this->PressurePhases() },
+      { "straight_sides", this->StraightSides }, { "lateral_ratio", this->LateralRatio },
       { "smooth_platens", this->SmoothPlatens }, { "rigid_platens", this->RigidPlatens },
       { "platen_layers", this->PlatenLayers }, { "method", lamella::wordOf(result.method) },
       { "breaking", lamella::wordOf(breaking) }, { "rivals", this->Rivals }, { "stop_share", this->StopShare },

@@ -8,7 +8,10 @@
  *
  * **Input** and **load**: as vtkBondEquilibrium, and so is what vtkBondLoadAlgorithm sets; there is no load by a force,
  * which nothing could hold after the peak.
- * Strains and stresses count along the load: under Compression they are positive when the platens approach.
+ * Strains and stresses count along the load: under Compression they are positive when the platens approach. Under a
+ * pressure in pores strain is their gain in volume (under Suction their loss) over their volume, which rises as the
+ * platens' movement does elsewhere, and stress the pressure: its peak is the pressure that the sample bears, whether
+ * the water's volume or its pressure is held.
  *
  * **Output 0**: the input in one state (State) with
  * - `damage` (1 double, 0 to 1): share of the node's bonds that are broken; bonds that notches cut before loading do
@@ -42,9 +45,13 @@
  *   `strength_shrunk` [Pa] (peaks with the solid grown and shrunk by `surface_step` [nodes]) and
  *   `strength_segmentation_error` [Pa], what the doubt leaves of `peak_stress`; with EstimateWindowError too
  *   `strength_total_error` [Pa], the root of the squares of both
- * - `end`: stress-fell, severed, nothing-breaks, maximum-strain or maximum-broken; `end_reason`: the same as a sentence
+ * - under a pressure `pore_volume` [m³] (of a picture [m²]), of the pores that were closed, and `open_pore_nodes`,
+ * which hold none
+ * - `end`: stress-fell, severed, pores-open, nothing-breaks, maximum-strain or maximum-broken; `end_reason`: the same
+ * as a sentence
  * - of the state: `strain`, `stress` [Pa], `broken_bonds`, `hinges`, `state_iterations`
- * - `load`, `compression` (0 or 1), `load_axis`, `method`, `breaking`, `section_area`, `gauge_length`, `platen_layers`
+ * - `load`, `compression`, `suction` (0 or 1), `load_axis`, `method`, `breaking`, `section_area`, `gauge_length`,
+ * `platen_layers`
  * - `events`, `raises` (of the load; each jumps the elastic ramp up to the next break), `equilibria` (of the whole
  *   sample) with their `iterations`, `local_cycles` with the `visited_nodes`, `searches` for loose pieces,
  *   `freed_pieces`, `freed_nodes`, `freed_bonds` (came loose on the way), `loose_pieces`, `loose_nodes` (were loose
@@ -87,11 +94,19 @@ public:
 
   /**
    * The low platen never moves. Stretch: the high one moves along the axis. Shear: it moves across. Biaxial: smooth
-   * platens on all sides.
+   * platens on all sides. Pressure: no platens, but a pressure in pores that are closed, which makes them larger.
    * @group Load
-   * @choice STRETCH SHEAR BIAXIAL
+   * @choice STRETCH SHEAR BIAXIAL PRESSURE
    */
   vtkSetMacro(Load, int);
+
+  /**
+   * Pressure: below that outside, as of water under tension. Pressures and what the pores lose of their volume are
+   * positive then too.
+   * @group Load
+   * @when Load PRESSURE
+   */
+  vtkSwitchMacro(Suction, false);
 
   /**
    * Biaxial: strain along the other axes over that along the axis.
@@ -200,7 +215,8 @@ protected:
   void Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve) override;
 
 private:
-  void SetOptions(lamella::peridynamics::FractureStudyOptions& options) const;
+  void SetOptions(const lamella::BondScene& scene, lamella::peridynamics::FractureStudyOptions& options) const;
+  void CheckPressure() const;
   /// What was found and how, in a state's field data.
   void Describe(vtkImageData* image, const lamella::BondScene& scene, const lamella::BondSettings& settings,
     const lamella::peridynamics::FractureResult& result) const;

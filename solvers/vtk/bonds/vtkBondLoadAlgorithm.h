@@ -3,7 +3,9 @@
  * @brief   how a bonded sample is held and loaded: the settings that equilibrium and fracture share
  *
  * Platens hold as many layers of nodes as a bond reaches at either end of the axis (PlatenLayers); strains count over
- * the distance between their inner layers. The low one never moves. Sides are free, or periodic.
+ * the distance between their inner layers. The low one never moves. Sides are free, or periodic. Under a pressure in
+ * closed pores (peridynamics/PorePressure.h) there are no platens: strain is what the pores gain of their volume,
+ * stress the pressure.
  *
  * @sa vtkBondEquilibrium, vtkBondFracture
  */
@@ -14,9 +16,12 @@
 #include "vtkLamellaSolversVTKModule.h" // for export macro
 
 #include <memory> // for std::unique_ptr
+#include <string> // for a return value
+#include <vector> // likewise
 
 namespace lamella
 {
+class BondScene;
 struct BondUncertainties;
 namespace peridynamics // VTK's wrappers do not read lamella::peridynamics
 {
@@ -31,10 +36,11 @@ public:
 
   enum Loads
   {
-    STRETCH = 0, ///< "Stretch": the high platen moves along the axis
-    SHEAR = 1,   ///< "Shear": it moves across: along x where the axis is the last one
-    BIAXIAL = 2, ///< "Biaxial": smooth platens on all sides
-    TRACTION = 3 ///< "Traction": a force spread evenly over the high platen, which is not stiff
+    STRETCH = 0,  ///< "Stretch": the high platen moves along the axis
+    SHEAR = 1,    ///< "Shear": it moves across: along x where the axis is the last one
+    BIAXIAL = 2,  ///< "Biaxial": smooth platens on all sides
+    TRACTION = 3, ///< "Traction": a force spread evenly over the high platen, which is not stiff
+    PRESSURE = 4  ///< "Pressure": in pores that are closed, without platens
   };
   /** What is done to the sample. Default STRETCH. */
   vtkGetMacro(Load, int);
@@ -67,6 +73,28 @@ public:
    * @advanced
    */
   vtkSettingMacro(PlatenLayers, int, 0);
+
+  ///@{
+  /**
+   * Pressure: the empty phases in which it acts, as lumen. None: all that are empty.
+   *
+   * A pore that reaches a free side, or touches another empty phase, is open and holds none. An empty name is ignored.
+   * @word pressure-in
+   * @title Phases under pressure
+   * @group Load
+   * @when Load PRESSURE
+   * @advanced
+   */
+  void AddPressurePhase(const char* phase);
+  void RemoveAllPressurePhases();
+  ///@}
+  /**
+   * Pressure: the sides of the box are planes that do not move, as if the sample went on as its mirror image, and close
+   * the pores that they cut. Off: sides are free, and pores that reach them open.
+   * @group Load
+   * @when Load PRESSURE
+   */
+  vtkSwitchMacro(StraightSides, false);
 
   /**
    * Largest residual force over the forces that hold the free nodes where they are.
@@ -158,7 +186,10 @@ protected:
   ~vtkBondLoadAlgorithm() override;
 
   /// The settings above but the amount of the load.
-  lamella::peridynamics::Loading Platens() const;
+  /// @param scene whose phases those under pressure are of
+  lamella::peridynamics::Loading Platens(const lamella::BondScene& scene) const;
+  /// As AddPressurePhase() got them.
+  const std::vector<std::string>& PressurePhases() const;
   /// As files and people call it.
   const char* LoadName() const;
   /// How far the materials may be off. @throws ParameterError where they are of nothing

@@ -28,7 +28,7 @@ class EquilibriumResult(BreakInputs, BondFields):
     """
 
     effective_stress: float = told("Force on the platen over the section of the box [Pa].")
-    strain: float = told("The strain applied; of a traction the one that it causes.")
+    strain: float = told("The strain applied; of a traction the one that it causes, of a pressure what the pores gain of their volume.")
 
     @property
     def mean_stress(self) -> Array:
