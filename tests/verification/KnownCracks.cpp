@@ -15,34 +15,6 @@ namespace
 using namespace lamella;
 using namespace lamella::test;
 
-/// Cuts the bonds that cross a plane between the two middle layers of an axis where `inside` says so, by the other
-/// coordinates in order; of whole lattices on one rank.
-template <class Inside>
-void cut(BondLattice& bonds, std::size_t normal, Inside&& inside)
-{
-  const NodeLayout& l = bonds.layout();
-  const double plane = 0.5 * static_cast<double>(l.size[normal]) - 0.5;
-  std::vector<Bond> crossing;
-  for (std::int64_t z = 0; z < l.size[2]; ++z)
-    for (std::int64_t y = 0; y < l.size[1]; ++y)
-      bonds.forEachBond(y, z,
-        [&](std::int64_t i, std::int64_t, int o, int)
-        {
-          const auto n = l.node(i);
-          const auto& step = bonds.stencil().half()[static_cast<std::size_t>(o)].step;
-          const double share = step[normal] == 0 ? -1 : (plane - static_cast<double>(n[normal])) / step[normal];
-          if (share <= 0 || share >= 1)
-            return;
-          std::array<double, 2> at{};
-          for (std::size_t a = 0, k = 0; a < 3; ++a)
-            if (a != normal)
-              at[k++] = static_cast<double>(n[a]) + share * step[a];
-          if (inside(at[0], at[1]))
-            crossing.push_back(bonds.bond(i, o));
-        });
-  bonds.breakBonds(crossing);
-}
-
 /// Force that the high platen takes along the load.
 double stiffness(const BondLattice& bonds, LoadCase load)
 {
