@@ -361,9 +361,17 @@ TEST(PointLaws, RotationOfStronglyStretchedPoints)
       d(2, 2) = least;
       const auto q = chance.turn();
       const auto r = chance.turn();
-      // F = r (qᵀ d q): its rotation is r; errors grow with the inverse of the two least stretches' sum
-      const auto f = product(r, product(transposedProduct(q, d), q));
-      EXPECT_LT(difference(rotation(f), r), 1e-14 / least);
+      // F = r (qᵀ d q): its rotation is r; errors grow with the inverse of the two least stretches' sum. Volumes that
+      // are far from 1 change nothing
+      for (const double size : { 1.0, 0.1, 10.0 })
+      {
+        Matrix<3> u = product(transposedProduct(q, d), q);
+        for (double& value : u.m)
+          value *= size;
+        const auto f = product(r, u);
+        EXPECT_LT(difference(rotation(f), r), 1e-14 / least);
+        EXPECT_LT(difference(leftStretch(f), productTransposed(product(r, u), r)), 1e-14 / least * size);
+      }
     }
 }
 
