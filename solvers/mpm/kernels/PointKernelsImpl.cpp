@@ -201,7 +201,7 @@ private:
     const Node* planes[Cells][3];
     for (int k = 0; k < Cells; ++k)
       taken_.take(cellOf(first, k, present), planes[k]);
-    constexpr int together = single && Cells > 1 ? 2 : Cells;
+    constexpr int together = single && Cells > 1 ? Cells / 2 : Cells; // as many doubles as the processor has lanes
 #pragma GCC unroll 9
     for (int line = 0; line < lines; ++line)
     {
