@@ -1,11 +1,12 @@
 // Fracture on more and more ranks: damped motion (the way of the paper whose samples these are: Frank, Radjai,
-// Nezamabadi and Delenne, Phys. Rev. E 102 (2020) 022906, figure 19) and the accurate quasi-static method. Times on one
-// and two ranks, what the ranks send each other on up to 64 of them (more than there are cores: counts, and the
+// Nezamabadi and Delenne, Phys. Rev. E 102 (2020) 022906, figure 19) and both quasi-static methods. Times on one and
+// two ranks, what the ranks send each other on up to 64 of them (more than there are cores: counts, and the
 // processor time of the work in between), bonds by rows of the samples, and the machine's own figures.
 // benchmarks/fracture-scaling.py predicts from these and draws.
 // Starts itself under mpirun, once for each table, unless it already runs there.
 //   study=machine|time|counts   one of them; all in turn unless told
-//   nx=512,1024   nodes across, of samples twice as high   steps=100   of motion   events=3   of batches
+//   nx=512,1024   nodes across, of samples twice as high   steps=100   of motion   events=3   of batches   strict=40 of
+//   local corrections (none on more than 16 ranks)
 //   pairs=5   of runs on one rank and on all   most=64   ranks   output=FOLDER
 #include "BreakableSamples.h"
 #include "CountedMpi.h"
@@ -201,12 +202,12 @@ Measured motion(BondLattice& bonds, const Sample& s, const Unit& unit, double st
     });
 }
 
-// Batches until some events have passed.
-Measured batches(BondLattice& bonds, std::int64_t events)
+// Until some events have passed.
+Measured broken(BondLattice& bonds, FractureMethod method, Breaking breaking, std::int64_t events)
 {
   FractureOptions o;
-  o.method = FractureMethod::Accurate;
-  o.breaking = Breaking::Batched;
+  o.method = method;
+  o.breaking = breaking;
   std::int64_t seen = 0;
   bool first = true;
   o.progress = [&](const FractureProgress&) { return !first && ++seen >= events; };
@@ -271,6 +272,7 @@ void counts(const Keys& keys)
       countColumns("s_") + "," + countColumns(""));
   const auto steps = static_cast<std::int64_t>(number(keys, "steps", 100));
   const auto events = static_cast<std::int64_t>(number(keys, "events", 3));
+  const auto strict = static_cast<std::int64_t>(number(keys, "strict", world.size() <= 16 ? 40 : 0));
   const Keys sizes{ { "nx", text(keys, "nx", "512,1024") } };
   for (const double nx : list(sizes, "nx", 512))
   {
@@ -296,8 +298,12 @@ void counts(const Keys& keys)
     tell("equilibrium", unit.cost);
     tell("motion", motion(bonds, s, unit, 0.9, steps));
     tell("breaking", motion(bonds, s, unit, 1.0005, steps));
-    BondLattice whole = bondsOf(s, world);
-    tell("batched", batches(whole, events));
+    BondLattice batched = bondsOf(s, world);
+    tell("batched", broken(batched, FractureMethod::Accurate, Breaking::Batched, events));
+    if (strict == 0)
+      continue;
+    BondLattice local = bondsOf(s, world);
+    tell("events", broken(local, FractureMethod::Events, Breaking::Strict, strict));
   }
 }
 

@@ -204,14 +204,14 @@ private:
 
 template <class Real>
 CriticalBonds force(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, bool nonlinear, bool wanted,
-  RimInFlight<Real>* rim = nullptr)
+  const Band& within, RimInFlight<Real>* rim = nullptr)
 {
   const BondNumbers<Real> numbers(bonds);
   const std::vector<Chunk> list = chunks(bonds.stencil(), maxChunk);
   CriticalBonds found;
   const int threads = omp_get_max_threads();
   std::int64_t critical = 0;
-  const std::vector<Band> shares = bands(bonds, threads);
+  const std::vector<Band> shares = bands(bonds, threads, within);
   const auto run = [&](Part part, const RemoteLayers& remote, RimInFlight<Real>* pending)
   {
     std::vector<std::vector<Bond>> lists(shares.size());
@@ -239,36 +239,53 @@ CriticalBonds force(const BondLattice& bonds, const NodeField<Real>& u, NodeFiel
   return found;
 }
 
+Band allRows(const BondLattice& bonds) noexcept
+{
+  return { 0, bonds.layout().size[1] * bonds.layout().size[2] };
+}
+
 } // namespace
 
 template <class Real>
 void linearForce(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f)
 {
-  (void)force(bonds, u, f, false, false);
+  (void)force(bonds, u, f, false, false, allRows(bonds));
+}
+
+template <class Real>
+void linearForceOfLayers(
+  const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, std::int64_t first, std::int64_t last)
+{
+  const std::int64_t rows = bonds.dimension() == 3 ? bonds.layout().size[1] : 1;
+  (void)force(bonds, u, f, false, false, { first * rows, last * rows });
 }
 
 template <class Real>
 void exchangeAndLinearForce(const BondLattice& bonds, NodeField<Real>& u, NodeField<Real>& f)
 {
   auto rim = bonds.startExchange(u);
-  (void)force(bonds, u, f, false, false, &rim);
+  (void)force(bonds, u, f, false, false, allRows(bonds), &rim);
 }
 
 template <class Real>
 CriticalBonds nonlinearForce(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, bool list)
 {
-  return force(bonds, u, f, true, list);
+  return force(bonds, u, f, true, list, allRows(bonds));
 }
 
 template <class Real>
 CriticalBonds exchangeAndNonlinearForce(const BondLattice& bonds, NodeField<Real>& u, NodeField<Real>& f, bool list)
 {
   auto rim = bonds.startExchange(u);
-  return force(bonds, u, f, true, list, &rim);
+  return force(bonds, u, f, true, list, allRows(bonds), &rim);
 }
 
 template void linearForce(const BondLattice&, const NodeField<double>&, NodeField<double>&);
 template void linearForce(const BondLattice&, const NodeField<float>&, NodeField<float>&);
+template void linearForceOfLayers(
+  const BondLattice&, const NodeField<double>&, NodeField<double>&, std::int64_t, std::int64_t);
+template void linearForceOfLayers(
+  const BondLattice&, const NodeField<float>&, NodeField<float>&, std::int64_t, std::int64_t);
 template void exchangeAndLinearForce(const BondLattice&, NodeField<double>&, NodeField<double>&);
 template void exchangeAndLinearForce(const BondLattice&, NodeField<float>&, NodeField<float>&);
 template CriticalBonds exchangeAndNonlinearForce(const BondLattice&, NodeField<double>&, NodeField<double>&, bool);

@@ -22,6 +22,12 @@ namespace lamella::peridynamics
 template <class Real>
 void linearForce(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f);
 
+/// The same on the layers first ≤ layer < last along the slowest axis (y in 2D, z in 3D) alone: of u those within the
+/// horizon of them must be up to date; of f the others are left as they are.
+template <class Real>
+void linearForceOfLayers(
+  const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, std::int64_t first, std::int64_t last);
+
 /// The same where the rim of u is not up to date: it is filled while the bonds between this rank's own nodes are
 /// summed; those that lead to other ranks come last. Collective.
 template <class Real>

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace lamella::peridynamics
 {
@@ -168,6 +169,66 @@ std::int64_t BondLattice::clear(const Bond& bond)
         owned += layout_.ownedNode(n) ? 1 : 0;
       }
   return owned;
+}
+
+void BondLattice::breakKnown(const Bond& bond)
+{
+  clear(bond);
+  --bonds_;
+}
+
+namespace
+{
+
+/// Rows of all ranks, one after another as they lie in the whole layout.
+template <class T>
+AlignedArray<T> rowsOfAll(
+  const Communicator& comm, const NodeLayout& part, const NodeLayout& all, const T* mine, std::int64_t rowLength)
+{
+  AlignedArray<T> rows(all.rows() * rowLength);
+  const bool space = part.dimension == 3;
+  const std::int64_t layer = space ? part.rowsY() : 1;
+  MPI_Datatype row = MPI_DATATYPE_NULL; // counts in rows: longer arrays before an int overflows
+  MPI_Type_contiguous(static_cast<int>(rowLength * static_cast<std::int64_t>(sizeof(T))), MPI_BYTE, &row);
+  MPI_Type_commit(&row);
+  const int own = static_cast<int>(part.size[space ? 2 : 1] * layer);
+  std::vector<int> counts(static_cast<std::size_t>(comm.size()));
+  MPI_Allgather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, comm.handle());
+  std::vector<int> begins(counts.size(), 0);
+  std::partial_sum(counts.begin(), counts.end() - 1, begins.begin() + 1);
+  const std::int64_t first = part.ghost * layer * rowLength; // the rim before the first layer
+  MPI_Allgatherv(mine + first, own, row, rows.data() + first, counts.data(), begins.data(), row, comm.handle());
+  MPI_Type_free(&row);
+  return rows;
+}
+
+} // namespace
+
+BondLattice BondLattice::whole(const Communicator& alone) const
+{
+  BondLattice all(*this);
+  if (!comm_->parallel())
+    return all;
+  all.comm_ = &alone;
+  all.layout_ = NodeLayout::make(layout_.dimension, layout_.ghost, layout_.global, {}, layout_.global);
+  const std::int64_t here = layout_.count();
+  const std::int64_t there = all.layout_.count();
+  all.bits_ = AlignedArray<std::uint32_t>(there * planes_ * words_);
+  for (std::int64_t p = 0; p < planes_ * words_; ++p)
+  {
+    const auto plane = rowsOfAll(*comm_, layout_, all.layout_, bits_.data() + p * here, layout_.pitch);
+    std::copy_n(plane.data(), there, all.bits_.data() + p * there);
+  }
+  all.strips_ = rowsOfAll(*comm_, layout_, all.layout_, strips_.data(), layout_.pitch / 16);
+  all.solid_ = rowsOfAll(*comm_, layout_, all.layout_, solid_.data(), layout_.pitch);
+  if (corrected_)
+  {
+    all.shares_ = NodeField<float>(all.layout_, shares_.components());
+    for (int c = 0; c < shares_.components(); ++c)
+      std::copy_n(rowsOfAll(*comm_, layout_, all.layout_, shares_.component(c), layout_.pitch).data(), there,
+        all.shares_.component(c));
+  }
+  return all;
 }
 
 std::int64_t BondLattice::breakBonds(std::span<const Bond> bonds)

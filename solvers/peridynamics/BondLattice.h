@@ -62,6 +62,9 @@ public:
   /// Bytes that the making of one takes on one rank: what the constructor checks against the memory that is free.
   /// @throws ParameterError as the constructor, but for what depends on the sample
   [[nodiscard]] static double bytesNeeded(const BondModel& model, const Lattice& lattice, int ranks, bool grains);
+  /// The bonds that all ranks have at this time, whole on each of them. Collective.
+  /// @param alone one rank; must outlive what is returned
+  [[nodiscard]] BondLattice whole(const Communicator& alone) const;
   BondLattice(BondLattice&&) = default;
   BondLattice& operator=(BondLattice&&) = default;
 
@@ -125,6 +128,9 @@ public:
   /// @return how many there were, over all ranks; bonds that are no more or that two ranks name count once
   std::int64_t breakBonds(std::span<const Bond> bonds);
 
+  /// Takes out a bond that there is, and that every rank names in the same call: nothing is sent.
+  void breakKnown(const Bond& bond);
+
   /// A bond as ranks agree on it, from a position of the layout.
   [[nodiscard]] Bond bond(std::int64_t index, int offset) const noexcept;
 
@@ -148,6 +154,7 @@ public:
 
 private:
   friend class BondLatticeBuilder;
+  BondLattice(const BondLattice&) = default; // whole() begins with one
 
   void classify(std::int64_t row, std::int64_t strip);
   std::int64_t clear(const Bond& bond);

@@ -247,13 +247,14 @@ ThreadScope::~ThreadScope()
   omp_set_num_threads(before_);
 }
 
-void requireMemory(const char* what, const Lattice& lattice, double need, double given, const Communicator& comm)
+void requireMemory(
+  const char* what, const Lattice& lattice, double need, double given, const Communicator& comm, const char* remedy)
 {
   const double available = given > 0 ? given : static_cast<double>(availableMemory());
   if (comm.any(need > available))
     throw MemoryError(fmt::format("the {} of {} nodes needs {} of memory on each of {} ranks, and {} are free", what,
                         lattice.count(), bytesText(need), comm.size(), bytesText(available)),
-      "take a smaller sample, a smaller horizon or a coarser lattice, or more machines");
+      remedy);
 }
 
 std::string looseWarning(std::int64_t pieces, std::int64_t nodes, std::int64_t solidNodes)

@@ -141,7 +141,8 @@ private:
 /// Collective. @param what needs it, a noun
 /// @param given bytes that may be taken on this machine; 0: what is free
 /// @throws MemoryError on every rank where one of them needs more
-void requireMemory(const char* what, const Lattice& lattice, double need, double given, const Communicator& comm);
+void requireMemory(const char* what, const Lattice& lattice, double need, double given, const Communicator& comm,
+  const char* remedy = "take a smaller sample, a smaller horizon or a coarser lattice, or more machines");
 
 /// What is said of pieces that applyLoading() took out.
 [[nodiscard]] std::string looseWarning(std::int64_t pieces, std::int64_t nodes, std::int64_t solidNodes);

@@ -98,6 +98,28 @@ TEST(FractureCheckpoints, AnyNumberOfRanksGoesOn)
   }
 }
 
+// Events come to the same on any number of ranks, and so does a run that goes on on another.
+TEST(FractureCheckpoints, EventsGoOnOnAnyNumberOfRanks)
+{
+  const Breakable s = cementedGrains(48, 0.5);
+  FractureOptions o = by(FractureMethod::Events);
+  o.renewEvery = 20;
+  o.maxBroken = 60;
+  const FractureRecord whole = fracture(s, o);
+  EXPECT_GT(whole.broken.size(), 50U);
+  const SharedFile file;
+  o.checkpoint.path = file.path();
+  o.maxBroken = 45;
+  (void)fracture(s, o, {}, everyone());
+  o.checkpoint = {};
+  o.continueFrom = file.path();
+  o.maxBroken = 60;
+  expectSame(whole, fracture(s, o, {}, everyone()), 0);
+  if (const std::optional<Communicator> part = half())
+    expectSame(whole, fracture(s, o, {}, *part), 0);
+  expectSame(whole, fracture(s, o), 0);
+}
+
 // A grain between two voids, glued in above and below: its weak bonds are all equally stretched and break as one batch,
 // and the grain, loose, takes its own with it. With four neighbours a node columns know nothing of each other.
 TEST(FractureCheckpoints, LoosePiecesStayOut)

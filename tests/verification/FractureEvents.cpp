@@ -385,7 +385,8 @@ TEST(FractureEvents, SlowMotionsAnswerTheirOwnForces)
     BondLattice bonds = latticeOf(aggregateModel(space ? 3 : 2), s, alone());
     const NodeLayout& l = bonds.layout();
     std::mt19937 random(7);
-    SlowMotions slow(bonds);
+    const LayerShare layers(layersOf(bonds.layout()), alone());
+    SlowMotions slow(bonds, layers);
     NodeField<float> work(l);
     NodeField<float> sum(l);
     for (int motion = 0; motion < 10; ++motion) // two more than there is room for

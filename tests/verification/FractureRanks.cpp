@@ -1,9 +1,11 @@
-// One equilibrium a break: the same bonds in the same order on any number of ranks.
+// The same bonds in the same order on any number of ranks: by one equilibrium a break, and by local corrections.
 #include "FractureSamples.h"
 
 #include "core/Error.h"
 
 #include <gtest/gtest.h>
+
+#include <tuple>
 
 namespace
 {
@@ -36,17 +38,69 @@ TEST(FractureRanks, SameBonds)
 TEST(FractureRanks, OneStopsTheFirstEquilibriumOfAll)
 {
   const Breakable s = walls(64);
-  FractureOptions o = by(FractureMethod::Accurate);
   const int last = everyone().size() - 1;
-  o.progress = [last](const FractureProgress&) { return everyone().rank() == last; };
-  EXPECT_THROW((void)fracture(s, o, {}, everyone()), Cancelled);
+  for (const FractureMethod method : { FractureMethod::Accurate, FractureMethod::Events })
+  {
+    FractureOptions o = by(method);
+    o.progress = [last](const FractureProgress&) { return everyone().rank() == last; };
+    EXPECT_THROW((void)fracture(s, o, {}, everyone()), Cancelled);
+  }
 }
 
-TEST(FractureRanks, EventsStayOnOne)
+// Every rank does its own layers of the same arrays, and sums are taken in the order of rows: to the last bit. Samples
+// with one level that is shared out and with two (the next of more than 4096 nodes), in space, and with platens across
+// the layers.
+TEST(FractureRanks, EventsAreThoseOfOne)
 {
-  if (!everyone().parallel())
-    GTEST_SKIP() << "on several ranks";
-  EXPECT_THROW((void)fracture(walls(64), by(FractureMethod::Events), {}, everyone()), ParameterError);
+  Loading across;
+  across.axis = 0;
+  Loading shear;
+  shear.load = LoadCase::Shear;
+  const Breakable space = of(breakable::cemented({ .nodes = 22, .grains = 40, .dimension = 3 }));
+  for (const auto& [s, loading, most] :
+    { std::tuple{ cementedGrains(48, 0.5), Loading{}, 60 }, std::tuple{ walls(128), Loading{}, 24 },
+      std::tuple{ walls(96, 2), across, 24 }, std::tuple{ walls(48), shear, 24 }, std::tuple{ space, Loading{}, 24 } })
+  {
+    FractureOptions o = by(FractureMethod::Events);
+    o.maxBroken = most;
+    o.renewEvery = 15;
+    BondLattice bonds = latticeOf(s.model, s.sample, alone());
+    QuasiStaticFracture one(bonds, loading, o);
+    one.run();
+    BondLattice parts = latticeOf(s.model, s.sample, everyone());
+    QuasiStaticFracture all(parts, loading, o);
+    all.run();
+    const FractureRecord& a = one.record();
+    const FractureRecord& b = all.record();
+    EXPECT_GT(a.broken.size(), 20U);
+    expectSame(a, b, 0);
+    ASSERT_EQ(a.curve.size(), b.curve.size());
+    for (std::size_t i = 0; i < a.curve.size(); ++i)
+      EXPECT_EQ(a.curve[i].stress, b.curve[i].stress);
+    EXPECT_EQ(a.statistics.globalIterations, b.statistics.globalIterations);
+    EXPECT_EQ(a.statistics.localCycles, b.statistics.localCycles);
+    EXPECT_EQ(a.statistics.looseNodes, b.statistics.looseNodes);
+    EXPECT_EQ(a.modulus, b.modulus);
+
+    // what is left of the ranks' parts, and where it is
+    EXPECT_EQ(bonds.bonds(), parts.bonds());
+    const NodeField<double> u = one.displacement();
+    const NodeField<double> v = all.displacement();
+    const NodeLayout& l = parts.layout();
+    std::int64_t other = 0;
+    for (std::int64_t z = 0; z < l.size[2]; ++z)
+      for (std::int64_t y = 0; y < l.size[1]; ++y)
+        for (std::int64_t x = 0; x < l.size[0]; ++x)
+        {
+          const std::int64_t i = bonds.layout().index(x, y + l.start[1], z + l.start[2]);
+          const std::int64_t j = l.index(x, y, z);
+          for (int c = 0; c < l.dimension; ++c)
+            other += u.component(c)[i] != v.component(c)[j] ? 1 : 0;
+          for (int k = 0; k < static_cast<int>(parts.stencil().half().size()); ++k)
+            other += bonds.kind(i, k) != parts.kind(j, k) ? 1 : 0;
+        }
+    EXPECT_EQ(other, 0);
+  }
 }
 
 // All learn of it. Six zigzags of single nodes unfold and resist nothing.

@@ -175,6 +175,8 @@ TEST(FractureStudy, MemoryIsEstimated)
       if (method == FractureMethod::Events)
         EXPECT_LE(static_cast<double>(r.bytes) / static_cast<double>(sample.phase.size()), mostANode);
       EXPECT_LT(estimate, 4 * static_cast<double>(r.bytes));
+      if (method == FractureMethod::Events) // each of two ranks has the whole sample beside its part
+        EXPECT_GT(fractureBytes(s.model, s.sample.lattice, false, o, 2), estimate);
       o.memory = 1e5;
       EXPECT_THROW(study(s, o), MemoryError);
     }

@@ -21,16 +21,22 @@ int orUsual(int radius, int dimension, int inPlane, int inSpace)
   return radius > 0 ? radius : dimension == 3 ? inSpace : inPlane;
 }
 
+const Communicator& teamOf(const BondLattice& bonds, const BondLattice* parts)
+{
+  return parts != nullptr ? parts->communicator() : bonds.communicator();
+}
+
 } // namespace
 
-EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
+EventEngine::EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSample& sample, const PlatenForce& platens,
   const EventOptions& options, double tolerance, const std::function<bool(double)>& progress)
   : bonds_(bonds)
+  , parts_(parts)
   , platens_(platens)
   , options_(options)
   , tolerance_(tolerance)
-  , state_(bonds, sample.fixed, sample.displacement, tolerance, progress)
-  , tiles_(bonds)
+  , state_(bonds, sample.fixed, sample.displacement, tolerance, progress, teamOf(bonds, parts))
+  , tiles_(bonds, teamOf(bonds, parts))
   , pieces_(bonds, sample, platens)
   , radius_(orUsual(options.radius, bonds.dimension(), 12, 6))
   , coarseRadius_(orUsual(options.coarseRadius, bonds.dimension(), 8, 4))
@@ -64,14 +70,15 @@ void EventEngine::refine()
   }
 }
 
-EventEngine::EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens,
+EventEngine::EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSample& sample, const PlatenForce& platens,
   const EventOptions& options, double tolerance, const EngineState& resumed)
   : bonds_(bonds)
+  , parts_(parts)
   , platens_(platens)
   , options_(options)
   , tolerance_(tolerance)
-  , state_(bonds, sample.fixed, { resumed.displacement, resumed.numbers.at("load force") })
-  , tiles_(bonds)
+  , state_(bonds, sample.fixed, { resumed.displacement, resumed.numbers.at("load force") }, teamOf(bonds, parts))
+  , tiles_(bonds, teamOf(bonds, parts))
   , pieces_(bonds, sample, platens)
   , radius_(orUsual(options.radius, bonds.dimension(), 12, 6))
   , coarseRadius_(orUsual(options.coarseRadius, bonds.dimension(), 8, 4))
@@ -214,7 +221,7 @@ void EventEngine::breakBond(const Bond& bond)
   double start = seconds();
   const std::int64_t i = indexOf(bond);
   const double before = state_.elongation(i, bond.offset);
-  const double spring = state_.breakBond(i, bond.offset);
+  const double spring = takeOut(i, bond.offset);
   const double broken = seconds();
   statistics_.localSeconds += broken - start;
   takeOut(pieces_.after(i, bond.offset));
@@ -239,6 +246,13 @@ void EventEngine::breakBond(const Bond& bond)
     settle(Nearness::Avalanche);
 }
 
+double EventEngine::takeOut(std::int64_t index, int offset)
+{
+  if (parts_ != nullptr)
+    parts_->breakKnown(bonds_.bond(index, offset));
+  return state_.breakBond(index, offset);
+}
+
 void EventEngine::takeOut(const std::vector<std::int64_t>& nodes)
 {
   if (nodes.empty())
@@ -249,7 +263,7 @@ void EventEngine::takeOut(const std::vector<std::int64_t>& nodes)
     for (int o = 0; o < static_cast<int>(bonds_.stencil().half().size()); ++o)
       if (bonds_.kind(i, o) != 0)
       {
-        state_.breakBond(i, o);
+        takeOut(i, o);
         ++statistics_.looseBonds;
       }
 }

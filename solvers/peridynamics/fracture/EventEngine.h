@@ -9,16 +9,22 @@ namespace lamella::peridynamics
 
 /// A break disturbs little but its surroundings: bond by bond, corrections on nested windows, and the whole lattice
 /// only before the load rises and now and then in an avalanche.
+///
+/// On several ranks each holds all the bonds and breaks them alike; they share out global corrections and the search
+/// that follows these, and come to the same to the last bit as one rank.
 class EventEngine final : public FractureEngine
 {
 public:
   /// Solves the first equilibrium.
+  /// @param bonds the whole lattice
+  /// @param parts of the ranks of its communicator, who call all this together: loses the same bonds; or, on one rank,
+  /// null
   /// @param progress of it, as EquilibriumOptions::progress; may be empty
-  EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, const EventOptions& options,
-    double tolerance, const std::function<bool(double)>& progress);
+  EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSample& sample, const PlatenForce& platens,
+    const EventOptions& options, double tolerance, const std::function<bool(double)>& progress);
   /// @param resumed of another one with these bonds
-  EventEngine(BondLattice& bonds, const LoadedSample& sample, const PlatenForce& platens, const EventOptions& options,
-    double tolerance, const EngineState& resumed);
+  EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSample& sample, const PlatenForce& platens,
+    const EventOptions& options, double tolerance, const EngineState& resumed);
 
   StretchMaximum mostCritical() override;
   std::vector<Bond> critical(double ratio) override;
@@ -32,6 +38,7 @@ public:
 
 private:
   void breakBond(const Bond& bond);
+  double takeOut(std::int64_t index, int offset); ///< @return k/|ξ|
   /// Unless that is what the state is already.
   bool correct(double tolerance);
   [[nodiscard]] double toleranceOf(Nearness nearness) const noexcept;
@@ -43,6 +50,7 @@ private:
   void measure(); ///< what follows from the state in one go
 
   BondLattice& bonds_;
+  BondLattice* parts_;
   PlatenForce platens_;
   EventOptions options_;
   double tolerance_;

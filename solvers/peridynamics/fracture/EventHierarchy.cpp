@@ -7,12 +7,32 @@
 
 namespace lamella::peridynamics
 {
+namespace
+{
+
+// Layers of a part must reach as far as bonds do; else every rank does all.
+LayerShare shareOf(const BondLattice& bonds, const Communicator& team)
+{
+  const std::int64_t layers = layersOf(bonds.layout());
+  const LayerShare share(layers, team);
+  return share.fewest() >= bonds.stencil().layers() ? share : LayerShare(layers, EventHierarchy::alone());
+}
+
+} // namespace
+
+const Communicator& EventHierarchy::alone()
+{
+  static const Communicator self(MPI_COMM_SELF);
+  return self;
+}
+
 EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, const NodeField<double>& displacement,
-  double tolerance, const std::function<bool(double)>& progress)
+  double tolerance, const std::function<bool(double)>& progress, const Communicator& team)
   : bonds_(bonds)
   , fixed_(fixed)
+  , share_(shareOf(bonds, team))
   , base_(displacement)
-  , slow_(bonds)
+  , slow_(bonds, share_)
   , springs_(bonds)
 {
   const NodeLayout& l = bonds.layout();
@@ -33,11 +53,13 @@ EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed,
   slow_.clear(); // what the load does is none
 }
 
-EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, Renewed state)
+EventHierarchy::EventHierarchy(
+  BondLattice& bonds, const FixedComponents& fixed, Renewed state, const Communicator& team)
   : bonds_(bonds)
   , fixed_(fixed)
+  , share_(shareOf(bonds, team))
   , base_(std::move(state.base))
-  , slow_(bonds)
+  , slow_(bonds, share_)
   , reference_(state.reference)
   , springs_(bonds)
 {
@@ -61,8 +83,9 @@ void EventHierarchy::prepare()
 
 void EventHierarchy::renew()
 {
-  evaluate(0, whole(bonds_.layout()));
+  evaluate(0, shareBox(0));
   collapse();
+  share_.gather(base_);
   slow_.clear();
   for (EventLevel& level : levels_)
     for (NodeField<float>* f : { &level.g, &level.total, &level.change })
@@ -87,6 +110,7 @@ void EventHierarchy::build()
   }
   multigrid_.reset(); // there is room for one
   multigrid_ = std::make_unique<BondMultigrid>(bonds_, fixed_, MultigridOptions{}, &levels_.front().change);
+  multigrid_->shareOut(share_);
   levels_.front().change.fill(0);
   for (std::size_t k = 0; k < multigrid_->levelCount(); ++k)
     multigrid_->level(k).d.fill(0); // relax() counts on it
@@ -105,6 +129,16 @@ std::int64_t EventHierarchy::bytes() const noexcept
     total += 4 * level.w.components() * level.w.layout().count() * static_cast<std::int64_t>(sizeof(float));
   const std::int64_t nodes = base_.components() * base_.layout().count();
   return total + nodes * static_cast<std::int64_t>(sizeof(double));
+}
+
+Box EventHierarchy::shareBox(std::int64_t around) const
+{
+  const NodeLayout& l = bonds_.layout();
+  Box box = whole(l);
+  const std::size_t slowest = l.dimension == 3 ? 2 : 1;
+  box.low[slowest] = std::max<std::int64_t>(0, share_.first() - around);
+  box.high[slowest] = std::min(l.size[slowest], share_.last() + around);
+  return box;
 }
 
 void EventHierarchy::maskRow(

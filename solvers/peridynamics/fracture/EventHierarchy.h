@@ -23,7 +23,8 @@ namespace lamella::peridynamics
 /// with A_l the Galerkin matrices, P interpolation, and g₀ the residual force of the base. The residual of level l, g_l
 /// − A_l U_l, is then the restriction of the finest one's, whatever the parts; this is kept through every change.
 ///
-/// One rank, no periodic side. All in single precision but the base; the local part runs on one thread.
+/// The whole lattice on every rank, no periodic side. All in single precision but the base; the local part runs on one
+/// thread.
 class EventHierarchy
 {
 public:
@@ -31,8 +32,10 @@ public:
   /// @param displacement what fixed components are given, and a first guess
   /// @param bonds, fixed must outlive this
   /// @param progress told the share that is done after every iteration; true throws Cancelled
+  /// @param team ranks that all call this with the same bonds, whole, and go on alike: they share out global
+  /// corrections, and come to the same to the last bit as one alone; must outlive this
   EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, const NodeField<double>& displacement,
-    double tolerance, const std::function<bool(double)>& progress = {});
+    double tolerance, const std::function<bool(double)>& progress = {}, const Communicator& team = alone());
 
   /// What renew() left of another one.
   struct Renewed
@@ -40,7 +43,8 @@ public:
     NodeField<double> base;
     double reference = 1;
   };
-  EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, Renewed state);
+  EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, Renewed state, const Communicator& team = alone());
+  [[nodiscard]] static const Communicator& alone();
   /// Collapses all into the base, and makes matrices and residuals anew: all that follows depends on the bonds, the
   /// base and the reference alone. As much work as some ten iterations of a global correction.
   void renew();
@@ -87,6 +91,8 @@ public:
   void evaluate(const Box& box) { evaluate(0, box); }
   [[nodiscard]] const NodeField<float>& correction() const noexcept { return levels_.front().total; }
   [[nodiscard]] const NodeField<double>& base() const noexcept { return base_; }
+  /// How ranks share out the layers.
+  [[nodiscard]] const LayerShare& share() const noexcept { return share_; }
   /// The last global correction found nothing to do.
   [[nodiscard]] bool looked() const noexcept { return looked_; }
   /// The last global correction had hardly more to do than was asked for, in space.
@@ -146,8 +152,18 @@ private:
   template <class F>
   double rowSum(F&& f);
 
+  /// On own layers of the finest level.
+  template <class F>
+  void forShare(F&& f) const
+  {
+    forLayers(bonds_.layout(), share_.first(), share_.last(), f);
+  }
+  /// Nodes of the own layers, and of so many to either side.
+  [[nodiscard]] Box shareBox(std::int64_t around) const;
+
   BondLattice& bonds_;
   const FixedComponents& fixed_;
+  LayerShare share_;
   std::unique_ptr<BondMultigrid> multigrid_;
   std::vector<EventLevel> levels_;
   NodeField<double> base_;

@@ -5,11 +5,14 @@
 #include "peridynamics/fracture/AccurateEngine.h"
 #include "peridynamics/fracture/EventEngine.h"
 #include "peridynamics/fracture/PlatenForce.h"
+#include "peridynamics/kernels/RowKernels.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string>
 
 namespace lamella::peridynamics
 {
@@ -64,12 +67,13 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
       "1e-6 is usual");
   if (o.method != FractureMethod::Events)
     return;
-  const char* accurate = "use the accurate method, or run one sample a rank";
   if (o.breaking == Breaking::Batched)
     throw ParameterError("batches of bonds cannot be broken with local corrections", "use the accurate method");
-  if (bonds.communicator().parallel())
-    throw ParameterError(
-      fmt::format("fracture with local corrections on {} ranks", bonds.communicator().size()), accurate);
+  // ranks come to the same to the last bit, or go apart
+  const double lanes = static_cast<double>(std::hash<std::string>()(bonds.rowKernels().name) % 1000000);
+  if (bonds.communicator().max(lanes) != -bonds.communicator().max(-lanes))
+    throw ParameterError("fracture with local corrections on processors with different instruction sets",
+      "use the accurate method, or machines of one kind");
   if (bonds.periodic() != std::array<bool, 3>{})
     throw ParameterError("fracture with local corrections of a periodic sample", "use the accurate method");
   const EventOptions& e = o.events;
@@ -101,23 +105,21 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
         "the defaults serve most samples");
 }
 
-/// The same of a sample under pressure: the residual's work over the load's.
-void requireBalance(const BondLattice& bonds, const LoadedSample& sample, const NodeField<double>& displacement,
-  double tolerance, FractureRecord& record)
+/// Of the whole lattice what lies on this rank's part; rim included.
+NodeField<double> partOf(const NodeField<double>& whole, const NodeLayout& part)
 {
-  NodeField<double> force(bonds.layout());
-  linearForce(bonds, displacement, force);
-  for (int c = 0; c < force.components(); ++c)
-    for (std::int64_t i = 0; i < force.layout().count(); ++i)
-      force.component(c)[i] += sample.load->component(c)[i];
-  record.imbalance = workOfResidual(bonds, sample, displacement, force);
-  record.carried = 1;
-  if (record.imbalance > balanced)
-    throw InputError(
-      fmt::format("the pressure is hardly borne at a tolerance of {:g}: what is out of balance does {:.2g} "
-                  "of its work (at most {:g})",
-        tolerance, record.imbalance, balanced),
-      "where walls hang together by hinges only, a longer horizon or thicker walls; else a tighter tolerance");
+  NodeField<double> field(part);
+  const NodeLayout& l = whole.layout();
+  for (int c = 0; c < field.components(); ++c)
+    for (std::int64_t z = -part.ghostZ(); z < part.size[2] + part.ghostZ(); ++z)
+      for (std::int64_t y = -part.ghost; y < part.size[1] + part.ghost; ++y)
+      {
+        const std::int64_t atY = y + part.start[1];
+        const std::int64_t atZ = z + part.start[2];
+        if (atY >= 0 && atY < l.size[1] && atZ >= 0 && atZ < l.size[2])
+          std::copy_n(whole.component(c) + l.index(0, atY, atZ), l.size[0], field.component(c) + part.index(0, y, z));
+      }
+  return field;
 }
 
 /// @param displacement at the first equilibrium
@@ -139,6 +141,25 @@ void requireBalance(const BondLattice& bonds, const LoadedSample& sample, const 
       "by {:.2g} times that on the platens (at most {:g}), which is {:.1e} of the one under even strain",
       tolerance, record.imbalance, balanced, record.carried),
     "where only hinges reach through, a longer horizon or thicker necks; else a tighter tolerance");
+}
+
+/// The same of a sample under pressure: the residual's work over the load's.
+void requireBalance(const BondLattice& bonds, const LoadedSample& sample, const NodeField<double>& displacement,
+  double tolerance, FractureRecord& record)
+{
+  NodeField<double> force(bonds.layout());
+  linearForce(bonds, displacement, force);
+  for (int c = 0; c < force.components(); ++c)
+    for (std::int64_t i = 0; i < force.layout().count(); ++i)
+      force.component(c)[i] += sample.load->component(c)[i];
+  record.imbalance = workOfResidual(bonds, sample, displacement, force);
+  record.carried = 1;
+  if (record.imbalance > balanced)
+    throw InputError(
+      fmt::format("the pressure is hardly borne at a tolerance of {:g}: what is out of balance does {:.2g} "
+                  "of its work (at most {:g})",
+        tolerance, record.imbalance, balanced),
+      "where walls hang together by hinges only, a longer horizon or thicker walls; else a tighter tolerance");
 }
 
 } // namespace
@@ -181,36 +202,59 @@ QuasiStaticFracture::QuasiStaticFracture(
   const NodeLayout& l = bonds.layout();
   const bool tiny = l.global[0] * l.global[1] * l.global[2] <= MultigridOptions{}.coarsest; // no coarser level
   const bool accurate = options_.method == FractureMethod::Accurate || tiny;
+  if (!accurate && bonds.communicator().parallel())
+    whole_ = std::make_unique<Whole>(bonds, loading);
   if (!options_.checkpoint.path.empty() || !options_.continueFrom.empty())
     scene_ = sceneOf(bonds) + sceneOf(loading, options_) + sceneOf(bonds, sample_);
   checkPlace(options_.checkpoint, bonds.communicator());
   if (!options_.continueFrom.empty())
   {
     const EngineState resumed = restore(platens);
-    if (accurate)
-      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, reference_, options_.tolerance, resumed);
-    else
-      engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance, resumed);
+    makeEngine(accurate, platens, &resumed);
     return;
   }
-  std::function<bool(double)> progress;
-  if (options_.progress)
-    progress = [this](double share) { return options_.progress({ .equilibrium = share }); };
-  if (accurate)
-    engine_ =
-      std::make_unique<AccurateEngine>(bonds_, sample_, platens, reference_, options_.tolerance, std::move(progress));
-  else
-    engine_ = std::make_unique<EventEngine>(bonds_, sample_, platens, options_.events, options_.tolerance, progress);
+  makeEngine(accurate, platens, nullptr);
   if (sample_.pores)
     requireBalance(bonds_, sample_, engine_->state().displacement, options_.tolerance, record_);
   else
-    requireBalance(bonds_, sample_, platens, engine_->state().displacement, options_.tolerance, record_);
+    requireBalance(lattice(), loaded(), platens, engine_->state().displacement, options_.tolerance, record_);
   record_.modulus = stress(1) / reference_;
   record_.statistics = engine_->statistics();
   record_.statistics.totalSeconds = seconds() - start;
 }
 
 QuasiStaticFracture::~QuasiStaticFracture() = default;
+
+QuasiStaticFracture::Whole::Whole(const BondLattice& parts, const Loading& loading)
+  : alone(MPI_COMM_SELF)
+  , bonds(parts.whole(alone))
+  , sample(applyLoading(bonds, loading))
+{
+}
+
+void QuasiStaticFracture::makeEngine(bool accurate, const PlatenForce& platens, const EngineState* resumed)
+{
+  const double tolerance = options_.tolerance;
+  std::function<bool(double)> progress;
+  if (options_.progress)
+    progress = [this](double share) { return options_.progress({ .equilibrium = share }); };
+  if (accurate)
+  {
+    if (resumed != nullptr)
+      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, reference_, tolerance, *resumed);
+    else
+      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, reference_, tolerance, std::move(progress));
+    return;
+  }
+  BondLattice* const parts = whole_ ? &bonds_ : nullptr;
+  if (whole_ && progress) // where one asks to stop all do
+    progress = [this, mine = std::move(progress)](double share) { return bonds_.communicator().any(mine(share)); };
+  const EventOptions& events = options_.events;
+  if (resumed != nullptr)
+    engine_ = std::make_unique<EventEngine>(lattice(), parts, loaded(), platens, events, tolerance, *resumed);
+  else
+    engine_ = std::make_unique<EventEngine>(lattice(), parts, loaded(), platens, events, tolerance, progress);
+}
 
 void QuasiStaticFracture::setLimits(double maxStrain, std::int64_t maxBroken)
 {
@@ -230,7 +274,7 @@ double QuasiStaticFracture::stress(double load) const
 
 NodeField<double> QuasiStaticFracture::displacement()
 {
-  NodeField<double> u = engine_->displacement();
+  NodeField<double> u = whole_ ? partOf(engine_->displacement(), bonds_.layout()) : engine_->displacement();
   for (int c = 0; c < u.components(); ++c)
     for (std::int64_t i = 0; i < u.layout().count(); ++i)
       u.component(c)[i] *= load_;
@@ -354,6 +398,7 @@ FractureStatistics QuasiStaticFracture::statistics() const
 {
   const FractureStatistics& mine = record_.statistics;
   FractureStatistics all = engine_->statistics();
+  all.bytes += whole_ ? whole_->bonds.bytes() : 0;
   all.events = mine.events;
   all.raises = mine.raises;
   all.checkpoints = mine.checkpoints;

@@ -21,8 +21,9 @@ namespace lamella::peridynamics
 
 enum class FractureMethod
 {
-  /// Local corrections around every break, global ones now and then; one rank, sides not periodic. Samples of a hundred
-  /// nodes or fewer are solved as Accurate does.
+  /// Local corrections around every break, global ones now and then; sides not periodic. Samples of a hundred nodes or
+  /// fewer are solved as Accurate does. On any number of ranks, which all hold the whole sample and share out the
+  /// global corrections: the same bonds in the same order, and the same numbers to the last bit.
   Events,
   Accurate ///< one equilibrium a break, to FractureOptions::tolerance: slow, to check against; any number of ranks
 };
@@ -196,7 +197,7 @@ public:
   /// critical bond is the same where the pressure is held instead, and so is the peak
   /// @param phase as applyLoading()
   /// @throws ParameterError: options outside their range, a traction (the load cannot be held after the peak), no
-  /// strain; with FractureMethod::Events several ranks, periodic sides, batches, a pressure
+  /// strain; with FractureMethod::Events periodic sides, batches, a pressure, ranks with different instruction sets
   /// @throws NoPathError: a sample already in two pieces; as applyLoading() and Equilibrium otherwise
   /// @throws InputError: a first equilibrium in which sections bear another force than the platens, by more than 0.5 %:
   /// only hinges reach through, or the tolerance is too loose for the sample
@@ -238,12 +239,27 @@ private:
   void save();
   [[nodiscard]] FractureStatistics statistics() const;
 
+  /// The whole sample, as every rank has it for events on several.
+  struct Whole
+  {
+    Whole(const BondLattice& parts, const Loading& loading);
+    Communicator alone;
+    BondLattice bonds;
+    LoadedSample sample;
+  };
+  /// @param resumed state to go on from, or null
+  void makeEngine(bool accurate, const PlatenForce& platens, const EngineState* resumed);
+  /// What the engine breaks, and its sample.
+  [[nodiscard]] BondLattice& lattice() noexcept { return whole_ ? whole_->bonds : bonds_; }
+  [[nodiscard]] const LoadedSample& loaded() const noexcept { return whole_ ? whole_->sample : sample_; }
+
   BondLattice& bonds_;
   FractureOptions options_;
   LoadedSample sample_;
-  double reference_ = 0; ///< strain of the unit load
-  double area_ = 1;      ///< [m²], [m] in the plane
-  double load_ = 0;      ///< imposed strain over the reference
+  std::unique_ptr<Whole> whole_; ///< null where the engine works on the parts
+  double reference_ = 0;         ///< strain of the unit load
+  double area_ = 1;              ///< [m²], [m] in the plane
+  double load_ = 0;              ///< imposed strain over the reference
   double share_ = 0;
   double firstRatio_ = 0; ///< s/s₀ at unit load of the bond that broke first
   std::unique_ptr<FractureEngine> engine_;

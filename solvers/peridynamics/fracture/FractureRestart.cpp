@@ -116,7 +116,7 @@ void QuasiStaticFracture::save()
   c.kind = kind;
   c.scene = scene_;
   c.provenance = options_.checkpoint.provenance;
-  c.arrays["displacement"] = gathered(bonds_, state.displacement, "m", "displacement at the unit load");
+  c.arrays["displacement"] = gathered(lattice(), state.displacement, "m", "displacement at the unit load");
   FractureRecord now{ FractureEnd::Running, {}, {}, record_.peak, record_.first, record_.modulus, record_.imbalance,
     record_.carried, statistics() };
   ++now.statistics.checkpoints;
@@ -164,7 +164,7 @@ EngineState QuasiStaticFracture::restore(const PlatenForce& platens)
 {
   const Communicator& comm = bonds_.communicator();
   const io::Checkpoint c = io::readCheckpoint(options_.continueFrom, kind, scene_, comm);
-  EngineState state{ scattered(bonds_, c, "displacement"), {}, {} };
+  EngineState state{ scattered(lattice(), c, "displacement"), {}, {} };
   const std::vector<Bond> list = bondsIn(c, bonds_);
   const auto& event = c.integers("event");
   const auto& strain = c.reals("strain");
@@ -206,12 +206,19 @@ EngineState QuasiStaticFracture::restore(const PlatenForce& platens)
     options_.takeBack(c);
   bonds_.breakBonds(comm.rank() == 0 ? std::span<const Bond>(list) : std::span<const Bond>());
   // what has come loose since follows from what has broken
+  const auto takeOutLoosePieces = [&platens](BondLattice& bonds, const LoadedSample& sample)
+  {
+    const AlignedArray<std::uint8_t> marks = platens.marks(bonds, sample);
+    bonds.breakBonds(bondsOfLoosePieces(bonds, findFragments(bonds, &marks)));
+  };
   if (sample_.pores)
     bonds_.breakBonds(looseUnderPressure(bonds_, sample_).bonds);
   else
+    takeOutLoosePieces(bonds_, sample_);
+  if (whole_)
   {
-    const AlignedArray<std::uint8_t> marks = platens.marks(bonds_, sample_);
-    bonds_.breakBonds(bondsOfLoosePieces(bonds_, findFragments(bonds_, &marks)));
+    whole_->bonds.breakBonds(list);
+    takeOutLoosePieces(whole_->bonds, whole_->sample);
   }
   if (static_cast<double>(bonds_.bonds()) != c.number("bonds left"))
     throw InputError(

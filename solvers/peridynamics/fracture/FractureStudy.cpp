@@ -2,6 +2,7 @@
 
 #include "core/Clock.h"
 #include "core/Error.h"
+#include "core/Memory.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/fracture/FractureCheckpoint.h"
 #include "peridynamics/fracture/LoosePieces.h"
@@ -22,10 +23,10 @@ namespace
 /// Strains above this are none for which elongations are linear.
 constexpr double small = 0.1;
 
-FractureMethod methodOf(const FractureStudyOptions& o, const BondModel& model, const Communicator& comm)
+FractureMethod methodOf(const FractureStudyOptions& o, const BondModel& model)
 {
-  const bool events = o.loading.load != LoadCase::Pressure && !comm.parallel() &&
-    model.periodic == std::array<bool, 3>{} && o.fracture.breaking == Breaking::Strict;
+  const bool events = o.loading.load != LoadCase::Pressure && model.periodic == std::array<bool, 3>{} &&
+    o.fracture.breaking == Breaking::Strict;
   return o.method.value_or(events ? FractureMethod::Events : FractureMethod::Accurate);
 }
 
@@ -240,6 +241,8 @@ void warn(const BondModel& model, double tolerance, FractureResult& r)
 double fractureBytes(
   const BondModel& model, const Lattice& lattice, bool grains, const FractureStudyOptions& options, int ranks)
 {
+  if (ranks > 1 && methodOf(options, model) == FractureMethod::Events) // the whole beside the part
+    return fractureBytes(model, lattice, grains, options, 1) + BondLattice::bytesNeeded(model, lattice, ranks, grains);
   ElasticOptions elastic;
   elastic.loading = options.loading;
   elastic.stress = options.stress;
@@ -268,8 +271,16 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
 {
   check(options);
   const ThreadScope threads(options.threads);
-  requireMemory(
-    "fracture", lattice, fractureBytes(model, lattice, !grain.empty(), options, comm.size()), options.memory, comm);
+  const double need = fractureBytes(model, lattice, !grain.empty(), options, comm.size());
+  if (comm.parallel() && methodOf(options, model) == FractureMethod::Events) // ranks of a machine do not share it out
+  {
+    const double free = static_cast<double>(availableMemory()) / comm.sizeOnMachine();
+    requireMemory("fracture by events, of which every rank has the whole sample,", lattice, need,
+      options.memory > 0 ? options.memory : free, comm,
+      "take the accurate method, fewer ranks a machine or a smaller sample");
+  }
+  else
+    requireMemory("fracture", lattice, need, options.memory, comm);
   FractureResult r;
   double start = lamella::seconds();
   const auto lap = [&start]
@@ -288,7 +299,7 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
   r.bondSeconds = lap();
 
   FractureOptions fractureOptions = options.fracture;
-  fractureOptions.method = r.method = methodOf(options, model, comm);
+  fractureOptions.method = r.method = methodOf(options, model);
   if (options.fracture.progress)
     fractureOptions.progress = [&](const FractureProgress& p)
     {

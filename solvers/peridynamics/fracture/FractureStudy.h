@@ -24,7 +24,7 @@ struct FractureStudyOptions
   Loading loading{}; ///< the strain's sign is the direction, its size is of no account
   /// Its method is of no account, and its progress may come more seldom than every event.
   FractureOptions fracture{};
-  /// None: FractureMethod::Events where it can be had (one rank, no periodic side, strict breaking), else Accurate.
+  /// None: FractureMethod::Events where it can be had (no periodic side, strict breaking), else Accurate.
   std::optional<FractureMethod> method{};
   std::vector<double> atStrains{};           ///< states to keep: imposed strains
   std::vector<std::int64_t> atBroken{};      ///< likewise: numbers of broken bonds

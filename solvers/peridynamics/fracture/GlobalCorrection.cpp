@@ -19,12 +19,13 @@ constexpr double slightly = 4;  // times what is asked for: a residual that move
 
 } // namespace
 
-// Sums row by row, so that they do not depend on the number of threads.
+// Sums row by row, so that they do not depend on the number of threads and ranks.
 template <class F>
 double EventHierarchy::rowSum(F&& f)
 {
   const NodeLayout& l = bonds_.layout();
-  forOwnRows(l, [&](std::int64_t y, std::int64_t z) { sums_[static_cast<std::size_t>(y + l.size[1] * z)] = f(y, z); });
+  forShare([&](std::int64_t y, std::int64_t z) { sums_[static_cast<std::size_t>(y + l.size[1] * z)] = f(y, z); });
+  share_.gather(sums_);
   double sum = 0;
   for (const double s : sums_)
     sum += s;
@@ -68,14 +69,14 @@ double EventHierarchy::freeNorm(const NodeField<float>& r)
   return std::sqrt(rowSum([&](std::int64_t y, std::int64_t z) { return freeSquare(r, y, z); }));
 }
 
-// Of what the parts come to, in place of the change: g₀ − A U₀.
+// Of what the parts come to, in place of the change: g₀ − A U₀. On own layers, as all of a global correction.
 void EventHierarchy::measureResidual()
 {
   const NodeLayout& l = bonds_.layout();
   NodeField<float>& residual = levels_.front().change;
-  evaluate(0, whole(l));
-  linearForce(bonds_, correction(), residual);
-  forOwnRows(l,
+  evaluate(0, shareBox(bonds_.stencil().layers()));
+  linearForceOfLayers(bonds_, correction(), residual, share_.first(), share_.last());
+  forShare(
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t i = l.index(0, y, z);
@@ -84,11 +85,11 @@ void EventHierarchy::measureResidual()
     });
 }
 
-// After U₀ has been evaluated everywhere.
+// After U₀ has been evaluated on own layers; the base of others is theirs.
 void EventHierarchy::collapse()
 {
   const NodeLayout& l = bonds_.layout();
-  forOwnRows(l,
+  forShare(
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t i = l.index(0, y, z);
@@ -123,8 +124,9 @@ void EventHierarchy::residualInDouble()
 {
   const NodeLayout& l = bonds_.layout();
   NodeField<double> force(l);
-  linearForce(bonds_, base_, force);
-  forOwnRows(l,
+  share_.exchange(base_, bonds_.stencil().layers());
+  linearForceOfLayers(bonds_, base_, force, share_.first(), share_.last());
+  forShare(
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t i = l.index(0, y, z);
@@ -133,9 +135,10 @@ void EventHierarchy::residualInDouble()
     });
 }
 
-// The residuals of the coarse levels, when all else of them is zero.
+// The residuals of the coarse levels, when all else of them is zero; every rank then has all of them.
 void EventHierarchy::restrictAll()
 {
+  share_.gather(levels_.front().g);
   for (std::size_t k = 0; k + 1 < levels_.size(); ++k)
   {
     const NodeLayout& l = levels_[k].w.layout();
@@ -156,8 +159,9 @@ void EventHierarchy::takeOutSlowMotions()
   NodeField<float>& p = finest.total;
   p.fill(0);
   slow_.answer(finest.g, p);
-  linearForce(bonds_, p, finest.change); // −A p
-  forOwnRows(l,
+  share_.exchange(p, bonds_.stencil().layers());
+  linearForceOfLayers(bonds_, p, finest.change, share_.first(), share_.last()); // −A p
+  forShare(
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t i = l.index(0, y, z);
@@ -186,7 +190,10 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
   size_ = size;
   little_ = l.dimension == 3 && size <= slightly * target;
   if (looked_)
+  {
+    share_.gather(q); // force()
     return { 0, tolerance };
+  }
   looks_ = 0;
   collapse();
   if (++sinceDouble_ >= everyDouble)
@@ -212,14 +219,15 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
     const double next = dot(r, z);
     const auto beta = static_cast<float>(restart ? 0 : next / rz);
     rz = next;
-    forOwnRows(l,
+    forShare(
       [&](std::int64_t y, std::int64_t zz)
       {
         const std::int64_t i = l.index(0, y, zz);
         for (int c = 0; c < l.dimension; ++c)
           eventKernels().direction(l.size[0], z.component(c) + i, beta, p.component(c) + i);
       });
-    linearForce(bonds_, p, q); // −A p
+    share_.exchange(p, bonds_.stencil().layers());
+    linearForceOfLayers(bonds_, p, q, share_.first(), share_.last()); // −A p
     const double pq = -dot(p, q);
     restart = false;
     if (!(rz > 0) || !(pq > 0) || !std::isfinite(rz / pq))
@@ -250,10 +258,13 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
       throw Cancelled();
   }
   if (iterations >= slow)
+  {
+    share_.gather(finest.w);
     slow_.keep(finest.w, q);
+  }
   if (moves)
   {
-    forOwnRows(l,
+    forShare(
       [&](std::int64_t y, std::int64_t z)
       {
         const std::int64_t i = l.index(0, y, z);
@@ -263,6 +274,7 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
       });
     finest.w.fill(0);
   }
+  share_.gather(base_);
   for (EventLevel& level : levels_) // w is zero since it was collapsed
   {
     level.total.fill(0);

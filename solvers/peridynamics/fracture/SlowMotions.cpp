@@ -17,8 +17,9 @@ constexpr double worn = 1e-3; // share of its first energy that a combination ha
 
 } // namespace
 
-SlowMotions::SlowMotions(const BondLattice& bonds)
+SlowMotions::SlowMotions(const BondLattice& bonds, const LayerShare& share)
   : bonds_(bonds)
+  , share_(share)
 {
 }
 
@@ -38,13 +39,13 @@ std::int64_t SlowMotions::bytes() const noexcept
   return total;
 }
 
-// Row by row, so that the sums do not depend on the number of threads.
+// Row by row, so that the sums do not depend on the number of threads and ranks.
 Eigen::VectorXd SlowMotions::along(const NodeField<float>& r)
 {
   const NodeLayout& l = r.layout();
   const std::size_t count = motions_.size();
   sums_.assign(static_cast<std::size_t>(l.size[1] * l.size[2]) * count, 0.0);
-  forOwnRows(l,
+  forLayers(l, share_.first(), share_.last(),
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t i = l.index(0, y, z);
@@ -53,6 +54,7 @@ Eigen::VectorXd SlowMotions::along(const NodeField<float>& r)
         for (int c = 0; c < l.dimension; ++c)
           to[m] += eventKernels().dot(l.size[0], motions_[m].component(c) + i, r.component(c) + i);
     });
+  share_.gather(sums_);
   Eigen::VectorXd sum = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count));
   for (std::size_t row = 0; row < sums_.size(); row += count)
     for (std::size_t m = 0; m < count; ++m)
@@ -74,7 +76,7 @@ void SlowMotions::answer(const NodeField<float>& r, NodeField<float>& x)
       part[k] = v[k] / eigen.eigenvalues()[k];
   const Eigen::VectorXd a = s.cwiseProduct(eigen.eigenvectors() * part);
   const NodeLayout& l = r.layout();
-  forOwnRows(l,
+  forLayers(l, share_.first(), share_.last(),
     [&](std::int64_t y, std::int64_t at)
     {
       const std::int64_t i = l.index(0, y, at);
@@ -94,7 +96,7 @@ void SlowMotions::keep(const NodeField<float>& motion, NodeField<float>& work)
   else
     motions_.push_back(motion);
   oldest_ = (at + 1) % most;
-  linearForce(bonds_, motion, work);
+  linearForceOfLayers(bonds_, motion, work, share_.first(), share_.last());
   const Eigen::VectorXd row = -along(work);
   const auto n = static_cast<Eigen::Index>(motions_.size());
   const auto k = static_cast<Eigen::Index>(at);

@@ -2,6 +2,7 @@
 
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/NodeField.h"
+#include "peridynamics/multigrid/LayerShare.h"
 
 #include <Eigen/Dense>
 
@@ -19,13 +20,15 @@ namespace lamella::peridynamics
 class SlowMotions
 {
 public:
-  explicit SlowMotions(const BondLattice& bonds);
+  /// @param share of the layers, by ranks that each have all the bonds; must outlive this
+  SlowMotions(const BondLattice& bonds, const LayerShare& share);
 
   [[nodiscard]] bool empty() const noexcept { return motions_.empty(); }
   void clear();
-  /// x += W E⁻¹ Wᵀ r: what the motions make of a residual force.
+  /// x += W E⁻¹ Wᵀ r: what the motions make of a residual force; own layers.
   void answer(const NodeField<float>& r, NodeField<float>& x);
   /// Takes another one up, zero where components are fixed, in place of the oldest where there is no room.
+  /// @param motion on all layers
   /// @param work overwritten
   void keep(const NodeField<float>& motion, NodeField<float>& work);
   /// @param stiffness k/|ξ| of a bond that is there no longer
@@ -37,6 +40,7 @@ private:
   [[nodiscard]] Eigen::VectorXd along(const NodeField<float>& r);
 
   const BondLattice& bonds_;
+  const LayerShare& share_;
   std::vector<NodeField<float>> motions_;
   Eigen::MatrixXd energy_; ///< E
   Eigen::VectorXd first_;  ///< of its diagonal, when it was measured

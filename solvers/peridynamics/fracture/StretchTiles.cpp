@@ -11,7 +11,7 @@ constexpr std::int64_t strip = 16;
 
 } // namespace
 
-StretchTiles::StretchTiles(const BondLattice& bonds)
+StretchTiles::StretchTiles(const BondLattice& bonds, const Communicator& team)
   : bonds_(bonds)
   , reach_(bonds.stencil().layers())
 {
@@ -20,6 +20,7 @@ StretchTiles::StretchTiles(const BondLattice& bonds)
     size_ = { strip, 4, 4 };
   for (std::size_t a = 0; a < 3; ++a)
     count_[a] = (l.size[a] + size_[a] - 1) / size_[a];
+  share_ = LayerShare(count_[l.dimension == 3 ? 2 : 1], team);
   for (const Offset& half : bonds.stencil().half())
   {
     for (std::size_t a = 0; a < 3; ++a)
@@ -143,18 +144,30 @@ float StretchTiles::measure(const EventHierarchy& state, std::int64_t tile) cons
   return largest;
 }
 
-void StretchTiles::refreshAll(const EventHierarchy& state, double least)
+void StretchTiles::refreshAll(EventHierarchy& state, double least)
 {
   ++now_;
+  const NodeLayout& l = bonds_.layout();
+  const std::size_t slowest = l.dimension == 3 ? 2 : 1;
+  if (state.looked()) // else all parts are in the base
+  {
+    Box mine = whole(l);
+    mine.low[slowest] = share_.first() * size_[slowest];
+    mine.high[slowest] = std::min(l.size[slowest], share_.last() * size_[slowest]);
+    if (mine.low[slowest] < mine.high[slowest])
+      state.evaluate(grown(mine, reach_, l));
+  }
   const double from = least * static_cast<double>(*std::max_element(largest_.begin(), largest_.end()));
   const auto count = static_cast<std::int64_t>(largest_.size());
-#pragma omp parallel for schedule(static) if (bonds_.layout().owned() >= worthThreads)
   for (std::int64_t t = 0; t < count; ++t)
     if (static_cast<double>(largest_[static_cast<std::size_t>(t)]) >= from)
-    {
-      largest_[static_cast<std::size_t>(t)] = measure(state, t);
       state_[static_cast<std::size_t>(t)] = now_;
-    }
+  const std::int64_t layer = count / count_[slowest]; // tiles
+#pragma omp parallel for schedule(static) if (l.owned() >= worthThreads)
+  for (std::int64_t t = share_.first() * layer; t < share_.last() * layer; ++t)
+    if (static_cast<double>(largest_[static_cast<std::size_t>(t)]) >= from)
+      largest_[static_cast<std::size_t>(t)] = measure(state, t);
+  share_.gather(largest_);
 }
 
 void StretchTiles::refresh(EventHierarchy& state, const Box& window)

@@ -14,11 +14,12 @@ namespace lamella::peridynamics
 class StretchTiles
 {
 public:
-  explicit StretchTiles(const BondLattice& bonds);
+  /// @param team see EventHierarchy
+  explicit StretchTiles(const BondLattice& bonds, const Communicator& team = EventHierarchy::alone());
 
-  /// Everything has changed: all tiles anew, over the threads. EventHierarchy::correction() must be up to date.
+  /// Everything has changed: all tiles anew, over the ranks and threads.
   /// @param least only those that had this share of the largest
-  void refreshAll(const EventHierarchy& state, double least = 0);
+  void refreshAll(EventHierarchy& state, double least = 0);
   /// A break has changed everything a little, and a window more than that.
   void refresh(EventHierarchy& state, const Box& window);
   /// The largest, of tiles that are looked at anew until the largest one is fresh.
@@ -39,6 +40,7 @@ private:
   std::array<std::int64_t, 3> count_{ 1, 1, 1 }; ///< tiles
   std::array<std::vector<float>, 3> directions_; ///< e
   std::vector<std::vector<float>> inverse_;      ///< 1/(s₀|ξ|) by kind, of each bond of the stencil
+  LayerShare share_;                             ///< of tiles
   std::vector<float> largest_;
   std::vector<std::int64_t> state_; ///< when it was looked at
   std::int64_t now_ = 0;

@@ -197,6 +197,23 @@ void BondMultigrid::gatherField(
       out.component(c) + whole.layout.ghost * layer, counts.data(), begins.data(), MPI_FLOAT, comm.handle());
 }
 
+void BondMultigrid::shareOut(const LayerShare& layers)
+{
+  if (!layers.parallel())
+    return;
+  levels_.front()->share = layers;
+  for (std::size_t k = 0; k < levels_.size(); ++k)
+  {
+    Level& level = *levels_[k];
+    if (k > 0)
+      level.share = levels_[k - 1]->share.halved(layersOf(level.layout));
+    const bool all = k > 0 && (k + 1 == levels_.size() || level.layout.owned() <= options_.gather);
+    level.shared = !all && (k == 0 || levels_[k - 1]->shared) && level.share.fewest() >= reach(level);
+    if (!level.shared)
+      return;
+  }
+}
+
 std::int64_t BondMultigrid::bytes() const noexcept
 {
   std::int64_t total = static_cast<std::int64_t>(sizeof(float)) * ownForce_.components() * ownForce_.layout().count() +
@@ -212,14 +229,19 @@ void BondMultigrid::subtract(std::size_t index)
 {
   Level& level = *levels_[index];
   level.rim.fill(level.d);
+  if (level.shared)
+    level.share.exchange(level.d, reach(level));
   if (index > 0)
   {
     subtractProduct(level, level.d, level.r);
     return;
   }
   ++products_;
-  linearForce(bonds_, level.d, force_); // −A d
-  forOwnRows(level.layout,
+  if (level.shared)
+    linearForceOfLayers(bonds_, level.d, force_, level.share.first(), level.share.last());
+  else
+    linearForce(bonds_, level.d, force_); // −A d
+  forOwnRows(level,
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t i = level.layout.index(0, y, z);
@@ -240,7 +262,7 @@ void BondMultigrid::release(NodeField<float>& field) const
 void BondMultigrid::chebyshev(Level& level, float a, float b, bool first)
 {
   const NodeLayout& l = level.layout;
-  forOwnRows(l,
+  forOwnRows(level,
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t i = l.index(0, y, z);
@@ -332,6 +354,8 @@ void BondMultigrid::restrictResidual(std::size_t index)
   Level& level = *levels_[index];
   Level& next = *levels_[index + 1];
   level.rim.fill(level.r);
+  if (level.shared)
+    level.share.exchange(level.r, 1);
   const NodeLayout& l = level.layout;
   const NodeLayout& c = next.layout;
   const std::array<bool, 3> folded = foldedAxes(level);
@@ -344,7 +368,8 @@ void BondMultigrid::restrictResidual(std::size_t index)
     const bool last = folded[a] && i + c.start[a] == c.global[a] - 1;
     return { first ? -2 : -1, last ? 2 : 1 };
   };
-  forOwnRows(c,
+  const bool parts = level.shared; // of the next level, too, which may then be done whole
+  forLayers(c, parts ? next.share.first() : 0, parts ? next.share.last() : layersOf(c),
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t out = c.index(0, y, z);
@@ -370,6 +395,8 @@ void BondMultigrid::restrictResidual(std::size_t index)
           }
       }
     });
+  if (parts && !next.shared)
+    next.share.gather(next.r);
 }
 
 // The correction from the next level, into d and onto x.
@@ -378,12 +405,14 @@ void BondMultigrid::interpolate(std::size_t index)
   Level& level = *levels_[index];
   Level& next = *levels_[index + 1];
   next.rim.fill(next.x);
+  if (next.shared)
+    next.share.exchange(next.x, 1);
   const NodeLayout& l = level.layout;
   const NodeLayout& c = next.layout;
   const std::array<bool, 3> folded = foldedAxes(level);
   const auto position = [&](std::size_t a, std::int64_t i)
   { return folded[a] && i + l.start[a] == l.global[a] - 1 ? i - 1 : i; };
-  forOwnRows(l,
+  forOwnRows(level,
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t atY = position(1, y);
@@ -459,7 +488,7 @@ const NodeField<float>& BondMultigrid::applyTo(F&& row)
 {
   Level& top = *levels_.front();
   const NodeLayout& l = top.layout;
-  forOwnRows(l,
+  forOwnRows(top,
     [&](std::int64_t y, std::int64_t z)
     {
       for (int c = 0; c < l.dimension; ++c)

@@ -57,6 +57,11 @@ public:
   /// Takes a bond out of the matrices of all levels, which it changes by rank one: exact up to round-off. It must have
   /// been taken out of the bonds by then.
   void subtract(const SpringWeights& spring);
+  /// From now on apply() is done together by ranks that all have the same bonds, whole: each does its layers of the
+  /// finest levels, of the result too; what it is given must be up to date there alone. Coarse levels every rank does
+  /// for itself.
+  void shareOut(const LayerShare& layers);
+
   /// For those who relax on parts of the levels: the matrix, and x, r and d, which apply() overwrites.
   [[nodiscard]] Level& level(std::size_t index) noexcept { return *levels_[index]; }
   [[nodiscard]] const Level& level(std::size_t index) const noexcept { return *levels_[index]; }

@@ -118,7 +118,7 @@ void subtractProduct(const Level& level, const NodeField<float>& x, NodeField<fl
   const NodeLayout& l = level.layout;
   const int d = l.dimension;
   const LevelKernels& k = levelKernels();
-  forOwnRows(l,
+  forOwnRows(level,
     [&](std::int64_t y, std::int64_t z)
     {
       BlockRow row;

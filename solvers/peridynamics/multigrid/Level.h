@@ -2,6 +2,7 @@
 
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/NodeField.h"
+#include "peridynamics/multigrid/LayerShare.h"
 #include "peridynamics/multigrid/LevelKernels.h"
 #include "peridynamics/multigrid/LevelRim.h"
 
@@ -33,6 +34,9 @@ struct Level
   NodeField<float> d; ///< direction; its rim is kept up to date
 
   bool gathered = false; ///< the next level is the same lattice, whole on every rank
+
+  LayerShare share;    ///< of a lattice that every rank has whole: how they share out the layers
+  bool shared = false; ///< each does its own; otherwise every one does all
 
   void allocateVectors();
   /// Makes room for the matrix, zero. One that has no rim is put in order from the start.
@@ -116,6 +120,27 @@ void forOwnRows(const NodeLayout& layout, F&& f)
 #pragma omp parallel for schedule(static) if (layout.owned() >= worthThreads)
   for (std::int64_t i = 0; i < rows; ++i)
     f(i % ny, i / ny);
+}
+
+/// The same for rows of the layers first ≤ layer < last along the slowest axis.
+template <class F>
+void forLayers(const NodeLayout& layout, std::int64_t first, std::int64_t last, F&& f)
+{
+  const std::int64_t ny = layout.size[1];
+  const std::int64_t rows = layout.dimension == 3 ? ny : 1; // a layer
+#pragma omp parallel for schedule(static) if ((last - first) * rows * layout.size[0] >= worthThreads)
+  for (std::int64_t i = first * rows; i < last * rows; ++i)
+    f(i % ny, i / ny);
+}
+
+/// The same for the rows that this rank does: of a shared level its layers.
+template <class F>
+void forOwnRows(const Level& level, F&& f)
+{
+  if (level.shared)
+    forLayers(level.layout, level.share.first(), level.share.last(), f);
+  else
+    forOwnRows(level.layout, f);
 }
 
 /// out −= A x on own nodes; the rim of x must be up to date.

@@ -61,7 +61,8 @@
  *   `checkpoints` (written, by all parts of the run), `last_checkpoint` (events in it, or 0)
  * - what vtkBondEquilibrium says of pairs, phases, thickness and warnings; `bond_model`, `provenance`.
  *
- * **Parallel**: as vtkBondEquilibrium, by the accurate method; the same bonds break on any number of ranks.
+ * **Parallel**: as vtkBondEquilibrium; the same bonds break on any number of ranks. With events every rank holds the
+ * bonds of the whole sample.
  *
  * @warning Strains are small: nothing turns, and pieces that hang by a hinge never part, so a run ends at a share of
  * the peak (StopShare).
@@ -120,12 +121,12 @@ public:
   enum Methods
   {
     AUTO = 0,    ///< "Automatic": events where they can be had, else accurate
-    EVENTS = 1,  ///< corrections around each break; one rank, sides not periodic, strict breaking
+    EVENTS = 1,  ///< corrections around each break; sides not periodic, strict breaking
     ACCURATE = 2 ///< "Accurate: all after each break": the whole sample after each break: slow, to check against
   };
   /**
-   * How forces are balanced between breaks. Automatic: events on one rank, without periodic sides and in strict
-   * breaking; else accurate, which takes far longer.
+   * How forces are balanced between breaks. Automatic: events without periodic sides and in strict breaking; else
+   * accurate, which takes far longer.
    * @group Accuracy and cost
    * @choice Methods
    * @advanced
