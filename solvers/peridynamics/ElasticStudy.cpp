@@ -431,7 +431,19 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
       equilibriumOptions.doubt = [&](const NodeField<double>& u, const NodeField<double>& force)
       { return workOfResidual(bonds, sample, u, force); };
     Equilibrium equilibrium(bonds, sample.fixed, equilibriumOptions);
-    r.solve = equilibrium.solve(sample.displacement, sample.load ? &*sample.load : nullptr);
+    try
+    {
+      r.solve = equilibrium.solve(sample.displacement, sample.load ? &*sample.load : nullptr);
+    }
+    catch (const DivergenceError& e)
+    {
+      if (!pressure)
+        throw;
+      throw DivergenceError(
+        fmt::format("parts of the sample seem to move without end under the pressure: {}", e.what()),
+        "walls that are a node thin, or hang by hinges, close a pore: straight sides, another window, or thicker "
+        "walls");
+    }
     if (options.sensitivity)
     {
       lap();
