@@ -92,6 +92,11 @@ class Equilibrium(Case):
         self.fails(2, "the direct solver of a sample that nothing holds", "multigrid", *cell, "--solver", "direct")
         self.fails(4, "a pressure, but no pore for it", "phases that are empty", *BAR, "--young", "stone=2e9", "--load", "pressure")
         self.fails(2, "straight sides counts only with load pressure", "", *cell[:-2], "--straight-sides")
+        # A border's walls, one node thin, that nothing holds across.
+        self.works("generate", "softwood", "--size", "100,100", "--solid-fraction", "0.42", "--seed", "5", "-o", "t.png")
+        tissue = ["equilibrium", "t.png", "--young", "wall=1e10", "--void", "lumen", "--load", "pressure"]
+        self.fails(6, "seem to move without end under the pressure", "straight sides", *tissue)
+        self.works(*tissue, "--straight-sides")
 
     def test_what_the_materials_do_to_the_first_break(self):
         # of one material it breaks at a stress in proportion to E s0, with s0 ~ sqrt(Gc / E)
