@@ -50,7 +50,7 @@ GRAINS = ["--young", "matrix=1e9", "--young", "grain=4e9", "--toughness", "matri
 HEAT = ["--diffusivity", "wall=1.8e-7", "--diffusivity", "lumen=2.2e-5"]
 # name: ranks, what it runs at either size, between checkpoints, ending of its fields, whether it lists broken bonds
 COMMANDS = {
-    "fracture": ((1,), {"large": ["cemented.vti", *GRAINS], "small": ["tissue.png", *WALL]}, "15", "vti", True),
+    "fracture": ((1, 2), {"large": ["cemented.vti", *GRAINS], "small": ["tissue.png", *WALL]}, "15", "vti", True),
     "fracture-accurate": ((1, 2), {"large": ["tissue.png", *WALL, "--method", "accurate"],
                                    "small": ["tissue.png", *WALL, "--method", "accurate", "--max-broken", "40"]}, "4", "vti", True),
     "compression": ((1, 2), {"large": ["tissue.png", "--fit-platens", "--strain", "0.1"],
