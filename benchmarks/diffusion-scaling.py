@@ -9,12 +9,11 @@ docs/benchmarks/diffusion-ranks.md; how lattices are shared out follows solvers/
 solvers/lbm/multigrid/Multigrid.cpp and solvers/lbm/lean/Pieces.cpp.
 """
 
-import csv
 import math
 import statistics
 
 from drawing import panels_of, places, save
-from scaling import CLUSTER, link_here, tables
+from scaling import CLUSTER, link_here, tables, written
 
 KINDS = {"lean": "lean", "pieces": "pieces", "walls": "pieces, walls insulate", "voids": "pieces, voids"}
 COUNTED = ("messages_most", "bytes_most", "waits", "reductions", "gatherings", "gathered")
@@ -363,12 +362,7 @@ def predict(path, model, laws, links):
                     efficiency = like / sum(terms) / (ranks if scaling == "strong" else 1)
                     rows.append([link_name, kind, scaling, edge, ranks, sum(terms), *terms, efficiency,
                                  memory(kind, size, ranks, model, laws)])
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(columns)
-        writer.writerows([[f"{v:.6g}" if isinstance(v, float) else v for v in row] for row in rows])
-    print(f"  written: {path}")
-    return [dict(zip(columns, row)) for row in rows]
+    return written(path, columns, rows)
 
 
 def tell(rows):

@@ -9,12 +9,11 @@ docs/benchmarks/fracture-ranks.md; how lattices are shared out follows slab() in
 solvers/peridynamics/multigrid/BondMultigrid.cpp.
 """
 
-import csv
 import math
 import statistics
 
 from drawing import panels_of, places, rows_of, save
-from scaling import CLUSTER, link_here, tables
+from scaling import CLUSTER, link_here, tables, written
 
 BENCH = "fracture-scaling"
 LINKS = {"cluster": CLUSTER,
@@ -270,12 +269,7 @@ def predict(path, model, rows):
                     bonds = visited(rows[nx], begins)
                     found.append([link_name, what, int(nx), ranks, max(b - a for a, b in zip(begins, begins[1:])), sum(terms), *terms,
                                   sum(map(sum, rows[nx])) / ranks / max(bonds), one / sum(terms), one / sum(terms) / ranks])
-    with open(path, "w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow(columns)
-        writer.writerows([[f"{v:.6g}" if isinstance(v, float) else v for v in row] for row in found])
-    print(f"  written: {path}")
-    return [dict(zip(columns, row)) for row in found]
+    return written(path, columns, found)
 
 
 def tell_predicted(predicted):

@@ -1,5 +1,7 @@
 """What the models of more ranks than there are share: tables by pattern, the machine's own figures, an assumed cluster."""
 
+import csv
+
 from drawing import rows_of
 
 CLUSTER = {"latency": 1.5e-6, "bandwidth": 10e9}  # an assumption: of a usual interconnect, a message and a rank
@@ -17,3 +19,13 @@ def link_here(machine):
     reduction = next(r["median"] for r in machine if r["what"] == "reduction")
     print(f"  here: latency {1e6 * here['latency']:.2f} µs, bandwidth {here['bandwidth'] / 1e9:.1f} GB/s, reduction {1e6 * reduction:.2f} µs")
     return here
+
+
+def written(path, columns, rows):
+    """Writes what was predicted as a table. @return its rows by column"""
+    with open(path, "w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow(columns)
+        writer.writerows([[f"{v:.6g}" if isinstance(v, float) else v for v in row] for row in rows])
+    print(f"  written: {path}")
+    return [dict(zip(columns, row)) for row in rows]

@@ -4,6 +4,7 @@
 #include "core/Plausible.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/Fragments.h"
+#include "peridynamics/OwnNodes.h"
 #include "peridynamics/multigrid/FreeBlocks.h"
 
 #include <fmt/format.h>
@@ -14,15 +15,6 @@ namespace lamella::peridynamics
 {
 namespace
 {
-
-template <class F>
-void eachOwn(const NodeLayout& l, F&& f)
-{
-  for (std::int64_t z = 0; z < l.size[2]; ++z)
-    for (std::int64_t y = 0; y < l.size[1]; ++y)
-      for (std::int64_t x = 0; x < l.size[0]; ++x)
-        f(l.index(x, y, z), std::array<std::int64_t, 3>{ x + l.start[0], y + l.start[1], z + l.start[2] });
-}
 
 void check(const BondLattice& bonds, const Loading& loading, int axis, int layers)
 {
@@ -63,7 +55,7 @@ void takeOutLoosePieces(const BondLattice& bonds, LoadedSample& s, int axis)
   const NodeLayout& l = bonds.layout();
   // which platen a node belongs to, as bits for findFragments()
   AlignedArray<std::uint8_t> platen(l.count());
-  eachOwn(l,
+  eachOwnNode(l,
     [&](std::int64_t i, const std::array<std::int64_t, 3>& node)
     {
       const std::int64_t layer = node[static_cast<std::size_t>(axis)];
@@ -87,7 +79,7 @@ void takeOutLoosePieces(const BondLattice& bonds, LoadedSample& s, int axis)
     }
   if (s.loosePieces == 0)
     return;
-  eachOwn(l,
+  eachOwnNode(l,
     [&](std::int64_t i, const std::array<std::int64_t, 3>&)
     {
       if (fragments.piece[i] < 0 || (fragments.pieces[static_cast<std::size_t>(fragments.piece[i])].fixed & 4U) != 0)
@@ -106,7 +98,7 @@ void takeOutLoosePieces(const BondLattice& bonds, LoadedSample& s, int axis)
 void holdSides(const BondLattice& bonds, int layers, LoadedSample& s)
 {
   const NodeLayout& l = bonds.layout();
-  eachOwn(l,
+  eachOwnNode(l,
     [&](std::int64_t i, const std::array<std::int64_t, 3>& node)
     {
       if (!bonds.solid(i))
@@ -136,7 +128,7 @@ LostPieces looseUnderPressure(const BondLattice& bonds, LoadedSample& s)
   constexpr std::uint8_t held = 1;
   constexpr std::uint8_t lost = 2; // before
   AlignedArray<std::uint8_t> marks(l.count());
-  eachOwn(l,
+  eachOwnNode(l,
     [&](std::int64_t i, const std::array<std::int64_t, 3>&)
     {
       if (bonds.solid(i))
@@ -163,7 +155,7 @@ LostPieces looseUnderPressure(const BondLattice& bonds, LoadedSample& s)
   if (result.pieces == 0)
     return result;
   std::vector<std::int64_t> nodes; // of this rank
-  eachOwn(l,
+  eachOwnNode(l,
     [&](std::int64_t i, const std::array<std::int64_t, 3>&)
     {
       if (fragments.piece[i] < 0 || s.pores->removed(i) ||
@@ -191,7 +183,7 @@ LostPieces looseUnderPressure(const BondLattice& bonds, LoadedSample& s)
 double poreStrain(const BondLattice& bonds, const LoadedSample& sample, const NodeField<double>& u)
 {
   double work = 0;
-  eachOwn(u.layout(),
+  eachOwnNode(u.layout(),
     [&](std::int64_t i, const std::array<std::int64_t, 3>&)
     {
       for (int c = 0; c < u.components(); ++c)
@@ -204,7 +196,7 @@ double workOfResidual(
   const BondLattice& bonds, const LoadedSample& sample, const NodeField<double>& u, const NodeField<double>& force)
 {
   std::array<double, 2> sums{};
-  eachOwn(bonds.layout(),
+  eachOwnNode(bonds.layout(),
     [&](std::int64_t i, const std::array<std::int64_t, 3>&)
     {
       for (int c = 0; c < u.components(); ++c)
@@ -268,7 +260,7 @@ LoadedSample applyLoading(const BondLattice& bonds, const Loading& loading, std:
   if (loading.load == LoadCase::Traction)
     s.load.emplace(l);
   const double nodeForce = loading.traction * std::pow(bonds.spacing(), d - 1) / layers;
-  eachOwn(l,
+  eachOwnNode(l,
     [&](std::int64_t i, const std::array<std::int64_t, 3>& node)
     {
       const std::int64_t layer = node[a];

@@ -1,6 +1,7 @@
 #include "peridynamics/PorePressure.h"
 
 #include "core/Error.h"
+#include "peridynamics/OwnNodes.h"
 #include "peridynamics/RimExchange.h"
 
 #include <Eigen/Dense>
@@ -20,16 +21,6 @@ namespace
 constexpr std::uint8_t wallNode = 1; // 0: beyond the lattice
 constexpr std::uint8_t closedPore = 2;
 constexpr std::uint8_t openPore = 3;
-
-/// Calls f(index, node) for all own nodes, node as in the whole lattice.
-template <class F>
-void eachOwnNode(const NodeLayout& l, F&& f)
-{
-  for (std::int64_t z = 0; z < l.size[2]; ++z)
-    for (std::int64_t y = 0; y < l.size[1]; ++y)
-      for (std::int64_t x = 0; x < l.size[0]; ++x)
-        f(l.index(x, y, z), std::array<std::int64_t, 3>{ x + l.start[0], y + l.start[1], z + l.start[2] });
-}
 
 std::array<std::int64_t, 3> axisSteps(const NodeLayout& l)
 {
