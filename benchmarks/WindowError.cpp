@@ -8,8 +8,8 @@
 // study=pores: porosity, number and mean size; study=strength: peak stresses of bonds; study=rings: how often the
 // gradient of a growth ring is seen.
 //
-// Keys: seed=N of the first sample (1001), samples=N (5), pictures=N of each sample and size (8), kind=NAME.
-// The rule's weights were found on other seeds, see docs/benchmarks/window.md.
+// Keys: seed=N of the first sample (1001), samples=N (5), pictures=N of each sample and size (8), kind=NAME, what=NAME
+// (as the table has it). The rule's weights were found on other seeds, see docs/benchmarks/window.md.
 #include "Keys.h"
 #include "Table.h"
 #include "Tissues.h"
@@ -196,6 +196,8 @@ void conduction(const Keys& keys, const std::string& study, const std::vector<Co
     const std::vector<PhaseImage> large = largeSamples(tissue, tissue.large, keys);
     for (const auto& [name, of, solve] : kinds)
     {
+      if (!text(keys, "what", "").empty() && text(keys, "what", "") != name)
+        continue;
       const std::vector<double> k = tissue.connected == 1 ? std::vector{ of[1], of[0] } : std::vector{ of[0], of[1] };
       std::array<double, 3> truth{ 0, 0, 0 };
       for (const PhaseImage& image : large)

@@ -63,6 +63,34 @@ PlaneBalance::PlaneBalance(const PlaneSums& sums, double fieldEnergy, bool perio
   }
 }
 
+FieldSums PlaneBalance::of(const FieldSums& sums, const PlaneSums& planes) const
+{
+  const std::size_t layers = shift.size();
+  const bool periodic = planes.conductance.size() == layers;
+  const double n = static_cast<double>(layers);
+  // the profile that takes the place of the linear one behind so many layers
+  const auto profile = [&](std::size_t behind)
+  {
+    if (behind == 0)
+      return 1.0;
+    return behind > layers ? 0.0 : shift[behind - 1] + factor * (1 - (static_cast<double>(behind) - 0.5) / n);
+  };
+  const auto through = [&](std::size_t i)
+  {
+    const bool face = !periodic && (i == 0 || i == layers);
+    const double linear = (face ? 0.5 : 1.0) / n;
+    const double drop = periodic ? shift[(i + layers - 1) % layers] - shift[i] + linear : profile(i) - profile(i + 1);
+    return factor * (planes.flux[i] - planes.conductance[i] * linear) + planes.conductance[i] * drop;
+  };
+  FieldSums all = sums;
+  all.energy = energy;
+  all.inlet = through(0);
+  all.outlet = through(periodic ? layers / 2 : layers);
+  for (double& q : all.flux)
+    q *= factor; // shifts drive nothing across
+  return all;
+}
+
 void PlaneBalance::requireGain(double before, double after)
 {
   if (!(after <= before * (1 + loosest)))

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "lbm/Links.h"
+
 #include <vector>
 
 namespace lamella::lbm
@@ -39,6 +41,10 @@ struct PlaneBalance
   /// @param onFaces   the outer layers of nodes lie on the faces, are held, and are none of the layers; so all planes
   ///                  are one spacing wide
   PlaneBalance(const PlaneSums& sums, double energy, bool periodic, bool onFaces = false);
+
+  /// Sums of the balanced field, from those of u and its planes; the residual's stays. (Of nodes half a spacing from
+  /// the faces.)
+  [[nodiscard]] FieldSums of(const FieldSums& sums, const PlaneSums& planes) const;
 
   /// A balance has the least energy of all fields that it chooses from, unless it chose by fluxes that are round-off.
   /// @throws DivergenceError: `after` exceeds `before` by more than `loosest`

@@ -249,8 +249,10 @@ struct SteadyDiffusion::Impl
   }
   [[nodiscard]] bool fits(Method way) const
   {
+    constexpr std::uint64_t little = 1U << 24; // to ask how much is left would take longer than a small solve's set-up
     const int sharing = ranksSharing(lattice, options.stencil, comm.size());
-    return !comm.any(bytes(way) / static_cast<std::uint64_t>(sharing) > availableMemory());
+    const std::uint64_t share = bytes(way) / static_cast<std::uint64_t>(sharing);
+    return share <= little || !comm.any(share > availableMemory());
   }
 };
 

@@ -245,7 +245,7 @@ public:
     if (!(energy <= sums.energy * (1 + PlaneBalance::loosest))) // the planes' fluxes are round-off
       return refined(result, target);
     balance_.emplace(planes, sums.energy, periodic);
-    setEffective(result, balanced(sums, planes), problem_.lattice, problem_.axis, field_.links().scale());
+    setEffective(result, balance_->of(sums, planes), problem_.lattice, problem_.axis, field_.links().scale());
     return result;
   }
 
@@ -403,41 +403,6 @@ private:
             most = std::max(most, link);
           }
     return most > 0 ? most / least : 1.0;
-  }
-
-  // Sums of the field as the balance of its planes makes it, before single precision rounds it.
-  [[nodiscard]] FieldSums balanced(const FieldSums& sums, const PlaneSums& planes) const
-  {
-    const PlaneBalance& b = *balance_;
-    const bool periodic = problem_.options.sides == Sides::Periodic;
-    const auto layers = static_cast<std::int64_t>(b.shift.size());
-    const double n = static_cast<double>(layers);
-    // the profile that takes the place of the linear one, and what it falls across a plane
-    const auto profile = [&](std::int64_t layer)
-    {
-      if (layer < 0)
-        return 1.0;
-      return layer == layers
-        ? 0.0
-        : b.shift[static_cast<std::size_t>(layer)] + b.factor * (1 - (static_cast<double>(layer) + 0.5) / n);
-    };
-    const auto through = [&](std::int64_t plane)
-    {
-      const auto i = static_cast<std::size_t>(plane);
-      const bool face = !periodic && (plane == 0 || plane == layers);
-      const double linear = (face ? 0.5 : 1.0) / n;
-      const double drop = periodic
-        ? b.shift[static_cast<std::size_t>((plane + layers - 1) % layers)] - b.shift[i] + linear
-        : profile(plane - 1) - profile(plane);
-      return b.factor * (planes.flux[i] - planes.conductance[i] * linear) + planes.conductance[i] * drop;
-    };
-    FieldSums all = sums;
-    all.energy = b.energy;
-    all.inlet = through(0);
-    all.outlet = through(periodic ? layers / 2 : layers);
-    for (double& q : all.flux)
-      q *= b.factor; // shifts drive nothing across
-    return all;
   }
 
   [[nodiscard]] LeanField& balancedField() const

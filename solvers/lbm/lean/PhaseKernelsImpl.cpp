@@ -1,5 +1,8 @@
 // Compiled once for every instruction set, with LAMELLA_KERNELS naming the table that it defines; see PhaseKernels.h.
 //
+// simdlen: of bytes beside floats compilers make vectors of as many numbers as there are bytes in a register, 32 or 64,
+// and do the rest of a row one by one: of short rows that was nearly all.
+//
 // Pictures stay in natural order, one byte a node, where they are; the field is split by the parity of x. So phases are
 // read as pairs of neighbouring bytes, of which one half or the other counts.
 
@@ -179,7 +182,7 @@ void relaxWith(const PhaseLinks& links, const PhaseRow& row, float* out)
     const Pair* pb = reinterpret_cast<const Pair*>(row.side[2].phase);
     const Pair* pt = reinterpret_cast<const Pair*>(row.side[3].phase);
     const auto beside = [](const Pair* q, std::int64_t i) { return High ? highOf(q, i) : lowOf(q, i); };
-#pragma omp simd
+#pragma omp simd simdlen(16)
     for (std::int64_t i = first; i < last; ++i)
     {
       const int id = highOf(before, i);
@@ -256,7 +259,7 @@ void sumsWith(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, dou
     double flux = 0;
     if (planes != nullptr)
     {
-#pragma omp simd reduction(+ : energy, flux)
+#pragma omp simd simdlen(16) reduction(+ : energy, flux)
       for (std::int64_t i = 0; i < last; ++i)
       {
         const double g = between<0>(table, lowOf(after, i), highOf(after, i));
@@ -268,7 +271,7 @@ void sumsWith(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, dou
     }
     else
     {
-#pragma omp simd reduction(+ : energy, flux)
+#pragma omp simd simdlen(16) reduction(+ : energy, flux)
       for (std::int64_t i = 0; i < last; ++i)
       {
         const double g = between<0>(table, lowOf(after, i), highOf(after, i));
@@ -314,7 +317,7 @@ void sumsWith(const PhaseLinks& links, const PhaseRow& row, PhaseSums& sums, dou
     const std::uint8_t* a = row.phase + part;
     const std::uint8_t* b = side.phase + part;
     double flux = 0;
-#pragma omp simd reduction(+ : energy, flux)
+#pragma omp simd simdlen(16) reduction(+ : energy, flux)
     for (std::int64_t i = 0; i < count; ++i)
     {
       const double g = weight * between<Axis>(table, a[2 * i], b[2 * i]);
@@ -420,7 +423,7 @@ void addEnergies(const PhaseLinks& links, const PhaseRow& row, std::size_t ids, 
 template <int Axis, class Table>
 void linksWith(const Table& table, std::int64_t n, const std::uint8_t* a, const std::uint8_t* b, float* __restrict out)
 {
-#pragma omp simd
+#pragma omp simd simdlen(16)
   for (std::int64_t i = 0; i < n; ++i)
     out[i] = between<Axis>(table, a[i], b[i]);
 }
@@ -440,7 +443,7 @@ void linksOf(
 
 void addToBoth(std::int64_t evens, std::int64_t odds, const float* coarse, float* even, float* odd)
 {
-#pragma omp simd
+#pragma omp simd simdlen(16)
   for (std::int64_t i = 0; i < odds; ++i)
   {
     even[i] += coarse[i];

@@ -6,12 +6,32 @@
 
 namespace lamella::lbm
 {
+namespace
+{
+
+// Beyond that a band has so many zeros that sparse factors are cheaper.
+constexpr std::int64_t widestBand = 128;
+
+} // namespace
 
 void Multigrid::factorize(const Level& coarsest)
 {
   const Grid& g = coarsest.grid;
   const int(*directions)[3] = g.dimension == 3 ? directions3 : directions2;
+  const std::int64_t n = g.nx * g.ny * g.nz;
+  // How far the corners of a node's neighbourhood are; a side that wraps makes that as far as its axis is long.
+  const auto reach = [&](std::size_t axis, std::int64_t nodes) { return coarsest.periodic[axis] ? nodes - 1 : 1; };
+  const std::int64_t width = reach(0, g.nx) + g.nx * (reach(1, g.ny) + (g.dimension == 3 ? g.ny * reach(2, g.nz) : 0));
+  const bool narrow = width <= std::min(widestBand, n - 1);
+  band_ = narrow ? BandCholesky(n, width) : BandCholesky();
   std::vector<Eigen::Triplet<double>> entries;
+  const auto add = [&](int row, int column, double value)
+  {
+    if (narrow)
+      band_.add(row, column, value);
+    else
+      entries.emplace_back(row, column, value);
+  };
   const auto id = [&](std::int64_t x, std::int64_t y, std::int64_t z)
   { return static_cast<int>(x + g.nx * (y + g.ny * z)); };
   double toGhosts = 0;
@@ -46,18 +66,22 @@ void Multigrid::factorize(const Level& coarsest)
             if (ghost)
               toGhosts += link;
             else
-              entries.emplace_back(id(x, y, z), other, -link);
+              add(id(x, y, z), other, -link);
           }
         largest = std::max(largest, diagonal);
-        entries.emplace_back(id(x, y, z), id(x, y, z), diagonal);
+        add(id(x, y, z), id(x, y, z), diagonal);
       }
   if (toGhosts == 0.0) // periodic: the constant is free; one node holds it
-    entries.emplace_back(0, 0, largest);
-  const int n = static_cast<int>(g.nx * g.ny * g.nz);
-  Eigen::SparseMatrix<double> matrix(n, n);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  direct_.compute(matrix);
-  if (direct_.info() != Eigen::Success)
+    add(0, 0, largest);
+  bool factorized = narrow && band_.factorize();
+  if (!narrow)
+  {
+    Eigen::SparseMatrix<double> matrix(n, n);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    direct_.compute(matrix);
+    factorized = direct_.info() == Eigen::Success;
+  }
+  if (!factorized)
     throw DivergenceError("the coarsest multigrid level could not be factorised",
       "use method algebraic-multigrid; and please report this with the picture and the conductivities");
 }
@@ -71,12 +95,15 @@ void Multigrid::solveDirectly(const Level& coarsest, const FloatArray& f, FloatA
     for (std::int64_t y = 0; y < g.ny; ++y)
       for (std::int64_t x = 0; x < g.nx; ++x)
         right[i++] = f[static_cast<std::size_t>(g.row(y, z) + g.node(x))];
-  const Eigen::VectorXd left = direct_.solve(right);
+  if (!band_.empty())
+    band_.solve(right);
+  else
+    right = direct_.solve(right).eval();
   i = 0;
   for (std::int64_t z = 0; z < g.nz; ++z)
     for (std::int64_t y = 0; y < g.ny; ++y)
       for (std::int64_t x = 0; x < g.nx; ++x)
-        u[static_cast<std::size_t>(g.row(y, z) + g.node(x))] = static_cast<float>(left[i++]);
+        u[static_cast<std::size_t>(g.row(y, z) + g.node(x))] = static_cast<float>(right[i++]);
   coarsest.exchange(u);
 }
 

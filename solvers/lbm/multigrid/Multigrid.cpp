@@ -8,7 +8,9 @@ namespace lamella::lbm
 namespace
 {
 
-constexpr std::int64_t coarsestNodes = 600;
+// Factors of more would take longer than another level: in space bands are wide.
+constexpr std::int64_t coarsestPixels = 600;
+constexpr std::int64_t coarsestVoxels = 150;
 constexpr std::int64_t gatherNodes = 4096;
 // Below that many nodes of a rank waiting for another thread costs more than its work.
 constexpr std::int64_t threadedNodes = 100000;
@@ -38,7 +40,7 @@ void Level::exchange(FloatArray& v) const
 
 bool canHalve(const std::array<std::int64_t, 3>& size, const std::array<bool, 3>& periodic)
 {
-  if (size[0] * size[1] * size[2] <= coarsestNodes)
+  if (size[0] * size[1] * size[2] <= (size[2] > 1 ? coarsestVoxels : coarsestPixels))
     return false;
   for (int a = 0; a < 3; ++a)
     if (periodic[a] && size[a] < 3)

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "lbm/multigrid/BandCholesky.h"
 #include "lbm/multigrid/Level.h"
 #include "lbm/multigrid/Smoothing.h"
 
@@ -35,7 +36,7 @@ using LinkRow = std::function<void(int d, std::int64_t y, std::int64_t z, float*
 /// Coarse nodes lie at even positions. Interpolation follows the operator (Dendy, J. Comput. Phys. 48 (1982) 366: links
 /// across a coarse line are collapsed onto it; nodes between lines take the weighted mean of what surrounds them);
 /// coarse operators are Galerkin products, kept as links: 9 in 2D, 27 points in 3D. Weights are 16-bit fractions.
-/// The coarsest level is solved by sparse Cholesky (Eigen).
+/// The coarsest level is solved by Cholesky factors, of its band or, where it wraps, sparse ones (Eigen).
 ///
 /// Or, for a fifth of the memory: coarse nodes are blocks, with three sweeps in the place of one. A coarse link is half
 /// of each block's own links in series with those between them, after those side by side are added up; and at least
@@ -94,6 +95,7 @@ private:
   int sweeps_ = 1;
   int visits_ = 1;
   int threads_ = 1;
+  BandCholesky band_; ///< of the coarsest level, or empty
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> direct_;
 };
 
