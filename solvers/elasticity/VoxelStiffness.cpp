@@ -42,7 +42,7 @@ constexpr double softShare = 10;
 constexpr double mostHanging = 1e-3; // of the stiff voxels, by corners or edges alone
 // Largest stiffness over the bound of uniform strain below which displacements are in double.
 constexpr double soft = 1e-3;
-// The same for what iterations leave, over the largest stiffness.
+// The same for what iterations leave, over the largest stiffness, where less was asked for.
 constexpr double poor = 1e-4;
 constexpr double finestSingle = 1e-8; // tolerance
 constexpr double lost = 0.01;
@@ -478,7 +478,7 @@ private:
     // hardly anything carries: single precision has lost it
     const double found = s.tensor.diagonal().maxCoeff();
     const bool strains = options_.sides != StiffnessSides::UniformStress;
-    if (!exact && (!(found > soft * most) || (strains && doubt > poor * found)))
+    if (!exact && (!(found > soft * most) || (strains && doubt > std::max(poor, 2 * options_.tolerance) * found)))
       return solve(lattice, phase, axis, solid, progress, crew, tells, true);
     if (exact && strains && found > none * most && doubt > lost * found)
       throw DivergenceError(
