@@ -32,47 +32,61 @@ void Multigrid::factorize(const Level& coarsest)
     else
       entries.emplace_back(row, column, value);
   };
-  const auto id = [&](std::int64_t x, std::int64_t y, std::int64_t z)
-  { return static_cast<int>(x + g.nx * (y + g.ny * z)); };
+  // Place along an axis: a wall's ghost is none, what lies beyond a side that wraps an image.
+  constexpr std::int64_t ghost = -1;
+  const std::array<std::int64_t, 3> size{ g.nx, g.ny, g.nz };
+  const auto place = [&](std::int64_t at, std::size_t axis)
+  {
+    if (at >= 0 && at < size[axis])
+      return at;
+    return coarsest.periodic[axis] ? (at + size[axis]) % size[axis] : ghost;
+  };
+  const auto isImage = [&](std::int64_t at, std::size_t axis)
+  { return coarsest.periodic[axis] && (at < 0 || at >= size[axis]); };
+  std::vector<double> diagonal(static_cast<std::size_t>(n), 0.0);
   double toGhosts = 0;
-  double largest = 0;
-  for (std::int64_t z = 0; z < g.nz; ++z)
-    for (std::int64_t y = 0; y < g.ny; ++y)
-      for (std::int64_t x = 0; x < g.nx; ++x)
+  // Of a row of nodes, ghosts at its ends included, the links along direction d; those of images are their nodes'.
+  const auto addRow = [&](std::size_t d, std::int64_t y, std::int64_t z)
+  {
+    const std::int64_t otherY = place(y + directions[d][1], 1);
+    const std::int64_t otherZ = place(z + directions[d][2], 2);
+    const bool fromGhosts = place(y, 1) == ghost || place(z, 2) == ghost;
+    const bool towardsGhosts = otherY == ghost || otherZ == ghost;
+    if (isImage(y, 1) || isImage(z, 2) || (fromGhosts && towardsGhosts))
+      return;
+    const float* const row = coarsest.links[d].data() + g.row(y, z);
+    const std::int64_t here = g.nx * (y + g.ny * z);
+    const std::int64_t there = g.nx * (otherY + g.ny * otherZ);
+    for (std::int64_t x = -1; x <= g.nx; ++x)
+    {
+      if (isImage(x, 0))
+        continue;
+      const std::int64_t otherX = place(x + directions[d][0], 0);
+      const bool from = !fromGhosts && x >= 0 && x < g.nx;
+      const bool to = !towardsGhosts && otherX != ghost;
+      const double link = row[g.node(x)];
+      if (from && to)
       {
-        double diagonal = 0;
-        for (int d = 0; d < coarsest.directions(); ++d)
-          for (const int sign : { 1, -1 })
-          {
-            std::array<std::int64_t, 3> q{ x + sign * directions[d][0], y + sign * directions[d][1],
-              z + sign * directions[d][2] };
-            const FloatArray& array = coarsest.links[static_cast<std::size_t>(d)];
-            const double link = sign > 0 ? array[static_cast<std::size_t>(g.row(y, z) + g.node(x))]
-                                         : array[static_cast<std::size_t>(g.row(q[1], q[2]) + g.node(q[0]))];
-            const std::array<std::int64_t, 3> size{ g.nx, g.ny, g.nz };
-            bool ghost = false;
-            for (std::size_t a = 0; a < 3; ++a)
-              if (q[a] < 0 || q[a] >= size[a])
-              {
-                if (coarsest.periodic[a])
-                  q[a] = (q[a] + size[a]) % size[a];
-                else
-                  ghost = true;
-              }
-            const int other = ghost ? -1 : id(q[0], q[1], q[2]);
-            if (other == id(x, y, z))
-              continue;
-            diagonal += link;
-            if (ghost)
-              toGhosts += link;
-            else
-              add(id(x, y, z), other, -link);
-          }
-        largest = std::max(largest, diagonal);
-        add(id(x, y, z), id(x, y, z), diagonal);
+        if (here + x == there + otherX)
+          continue;
+        add(static_cast<int>(here + x), static_cast<int>(there + otherX), -link);
+        add(static_cast<int>(there + otherX), static_cast<int>(here + x), -link);
       }
+      if (from)
+        diagonal[static_cast<std::size_t>(here + x)] += link;
+      if (to)
+        diagonal[static_cast<std::size_t>(there + otherX)] += link;
+      toGhosts += from != to ? link : 0.0;
+    }
+  };
+  for (std::size_t d = 0; d < coarsest.links.size(); ++d)
+    for (std::int64_t z = -g.ghostZ; z < g.nz; ++z)
+      for (std::int64_t y = -1; y <= g.ny; ++y)
+        addRow(d, y, z);
+  for (std::int64_t i = 0; i < n; ++i)
+    add(static_cast<int>(i), static_cast<int>(i), diagonal[static_cast<std::size_t>(i)]);
   if (toGhosts == 0.0) // periodic: the constant is free; one node holds it
-    add(0, 0, largest);
+    add(0, 0, std::ranges::max(diagonal));
   bool factorized = narrow && band_.factorize();
   if (!narrow)
   {
