@@ -3,6 +3,7 @@
 #include "peridynamics/BondForces.h"
 #include "peridynamics/PairTable.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
@@ -12,6 +13,10 @@ namespace lamella::peridynamics
 {
 namespace
 {
+
+// Of a field that errs by a thousandth derivatives err by about as much: it tells what an input's uncertainty, known to
+// a digit or two, leaves.
+constexpr double sensitivityPart = 1e-3;
 
 /// Where a node of the whole lattice, or beyond a periodic side, lies here if this rank has it.
 std::optional<std::int64_t> ownPlace(const NodeLayout& l, std::array<std::int64_t, 3> node)
@@ -70,6 +75,8 @@ BreakSensitivity breakSensitivity(const BondLattice& bonds, Equilibrium& equilib
   BreakSensitivity result;
   result.kind = pullBond(bonds, u, bond, load);
   equilibrium.setDoubt({});
+  equilibrium.setTolerance(
+    std::max(equilibrium.tolerance(), std::min(sensitivityPart, 1000 * equilibrium.tolerance())));
   result.iterations = equilibrium.solve(adjoint, &load).iterations;
   result.stiffness = mutualEnergy(bonds, adjoint, u);
   result.stiffness.erase(result.stiffness.begin());

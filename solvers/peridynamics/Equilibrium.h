@@ -84,6 +84,9 @@ public:
   {
     options_.doubt = std::move(doubt);
   }
+  [[nodiscard]] double tolerance() const noexcept { return options_.tolerance; }
+  /// Likewise of EquilibriumOptions::tolerance.
+  void setTolerance(double tolerance) noexcept { options_.tolerance = tolerance; }
 
   [[nodiscard]] const FixedComponents& fixed() const noexcept { return fixed_; }
 
