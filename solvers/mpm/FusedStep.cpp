@@ -16,7 +16,8 @@ namespace
 
 constexpr int stripeRows = 8; // more than twice what a stray may be off, and the three rows of a spline
 constexpr std::size_t worthThreads = 2000;
-constexpr double sortAt = 0.02; // share of strays
+constexpr double sortAt = 0.02;           // share of strays
+constexpr std::int64_t cellsAtOnce = 256; // whose points' C is found together
 
 /// From node 0, or from the last one inwards, to where a point counts as outside [spacings]: open ends with two cells
 /// of room, cuts half a cell beyond this rank's rows; elsewhere a quarter of a cell beyond the last nodes, where
@@ -43,9 +44,92 @@ FusedStep<Dim>::FusedStep(
 }
 
 template <int Dim>
-bool FusedStep<Dim>::ready(double kick) const noexcept
+Matrix<Dim> FusedStep<Dim>::affine(std::size_t p) const
 {
-  return std::fabs(kick - kick_) <= 1e-12 * kick;
+  using Points = MaterialPoints<Dim>;
+  if (!past_.known())
+    return points_.affine(p);
+  if (!aside_.empty())
+  {
+    const auto aside = std::lower_bound(aside_.begin(), aside_.end(), points_.id()[p],
+      [](const auto& entry, std::uint32_t number) { return entry.first < number; });
+    if (aside != aside_.end() && aside->first == points_.id()[p])
+      return aside->second;
+  }
+  const std::size_t each = next_.size() / static_cast<std::size_t>(bodies_.count);
+  return past_.affine(points_.vector(Points::positions, p), points_.vector(Points::velocities, p),
+    next_.data() + bodies_.of(points_.phase()[p]) * each);
+}
+
+template <int Dim>
+double FusedStep<Dim>::fastest() const
+{
+  if (fastest_ >= 0)
+    return fastest_;
+  double worst = 0;
+#pragma omp parallel for schedule(static) reduction(max : worst) if (points_.count() > worthThreads)
+  for (std::size_t p = 0; p < points_.count(); ++p)
+    for (const double c : affine(p).m)
+      worst = std::max(worst, std::fabs(c));
+  return worst;
+}
+
+template <int Dim>
+void FusedStep<Dim>::storeAffines()
+{
+  if (!past_.known())
+    return;
+  points_.storeAffines();
+#pragma omp parallel for schedule(static) if (points_.count() > worthThreads)
+  for (std::size_t p = 0; p < points_.count(); ++p)
+    points_.setMatrix(points_.affines(), p, affine(p));
+  past_.forget();
+  aside_.clear();
+}
+
+template <int Dim>
+void FusedStep<Dim>::setAside(std::span<const std::size_t> points)
+{
+  if (!past_.known())
+    return;
+  auto all = aside_; // what was set aside stays as it is
+  for (const std::size_t p : points)
+    all.emplace_back(points_.id()[p], affine(p));
+  std::sort(
+    all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  all.erase(
+    std::unique(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first == b.first; }), all.end());
+  aside_.swap(all);
+}
+
+template <int Dim>
+void FusedStep<Dim>::change(double keep, int axis, double rate, double still)
+{
+  if (past_.known())
+    past_.change(keep, axis, rate, still, next_);
+  else
+    points_.changeAffines(keep, axis, rate);
+  for (auto& entry : aside_)
+  {
+    for (double& c : entry.second.m)
+      c *= keep;
+    entry.second(axis, axis) += rate;
+  }
+  fastest_ = -1;
+  if (!held_)
+    return;
+  // what points give of a velocity that is linear in space is, with its C, mass times that velocity at the node
+  const GridAxis& g = grid_.axis(axis);
+  const auto count = static_cast<std::int64_t>(nodes_.size()) / nodeValues;
+  for (std::int64_t i = 0; i < count; ++i)
+  {
+    double* const node = &nodes_[static_cast<std::size_t>(i * nodeValues)];
+    for (int a = 0; a < Dim; ++a)
+      node[1 + a] *= keep;
+    const std::int64_t at = i % grid_.count() / grid_.stride(axis) % grid_.nodes(axis) - 1;
+    node[1 + axis] += node[0] * rate * (g.lower + g.spacing * static_cast<double>(at) - still);
+  }
+  kick_ *= keep;
 }
 
 template <int Dim>
@@ -161,8 +245,7 @@ void FusedStep<Dim>::unpack(const BackgroundGrid<Dim>& grid)
 }
 
 template <int Dim>
-void FusedStep<Dim>::sweep(
-  const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool whole, bool keep)
+PointSweep FusedStep<Dim>::jobOf(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick)
 {
   PointSweep job{};
   job.columns = points_.column(0).data();
@@ -172,7 +255,6 @@ void FusedStep<Dim>::sweep(
   job.massScale = massScale_;
   job.phase = points_.phase().data();
   job.cells = cells_.data();
-  bool cut = false;
   for (int a = 0; a < Dim; ++a)
   {
     const GridAxis& g = to.axis(a);
@@ -181,50 +263,102 @@ void FusedStep<Dim>::sweep(
     axis.lower[1] = g.lower;
     axis.spacing[0] = from.axis(a).spacing;
     axis.spacing[1] = g.spacing;
-    const auto bound = [&](int side) { return roomAt(g, side); };
-    cut = cut || g.isCut(0) || g.isCut(1);
-    axis.least = bound(0);
-    axis.most = g.cells - bound(1);
+    axis.least = roomAt(g, 0);
+    axis.most = g.cells - roomAt(g, 1);
     axis.end = g.cells + 0.5;
     axis.stride = to.stride(a);
     job.gravity[a] = gravity_[a];
   }
   job.velocity = nodes_.data();
-  job.momentum = next_.data();
+  job.momentum = nodes_.data();
   job.dt = dt;
   job.kick = kick;
-  job.keep = keep;
   job.constants = constants_.data();
   job.onePhase = onePhase_;
+  return job;
+}
 
+template <int Dim>
+void FusedStep<Dim>::giveCells(SweepCells kernel, PointSweep& job, std::int64_t first, std::int64_t last) const
+{
+  if (job.forcesOnly)
+  {
+    kernel(job, first, last);
+    return;
+  }
+  std::vector<double> affines;
+  for (std::int64_t begin = first; begin < last; begin += cellsAtOnce)
+  {
+    const std::int64_t end = std::min(begin + cellsAtOnce, last);
+    const std::size_t from = cells_[static_cast<std::size_t>(begin)].begin;
+    const std::size_t count = cells_[static_cast<std::size_t>(end)].begin - from;
+    const std::size_t pitch = count + MaterialPoints<Dim>::padding;
+    affines.resize(pitch * Dim * Dim);
+    for (std::size_t p = 0; p < count; ++p)
+    {
+      const Matrix<Dim> c = affine(from + p);
+      for (std::size_t i = 0; i < Dim * Dim; ++i)
+        affines[i * pitch + p] = c.m[i];
+    }
+    job.affines = affines.data();
+    job.affinesPitch = static_cast<std::int64_t>(pitch);
+    job.affinesFirst = static_cast<std::int64_t>(from);
+    kernel(job, begin, end);
+  }
+}
+
+template <int Dim>
+void FusedStep<Dim>::sweep(const PointSweep& job, const BackgroundGrid<Dim>& to, bool whole)
+{
   const SweepCells kernel = pointKernels().sweep[single_ ? 1 : 0][Dim - 2][static_cast<int>(kind_)][whole ? 1 : 0];
   const auto stripes = static_cast<std::int64_t>(stripes_.size()) - 1;
   const bool worthIt = points_.count() > worthThreads;
   std::int64_t strays = 0;
   bool far = false;
   bool outside = false;
+  double fastest = 0;
   for (std::int64_t colour = 0; colour < 2; ++colour)
-#pragma omp parallel for schedule(dynamic, 1) if (worthIt) reduction(+ : strays) reduction(|| : far, outside)
+#pragma omp parallel for schedule(dynamic, 1) if (worthIt) reduction(+ : strays) reduction(|| : far, outside)          \
+  reduction(max : fastest)
     for (std::int64_t s = colour; s < stripes; s += 2)
     {
       PointSweep mine = job;
       const std::int64_t body = s * bodies_.count / stripes;
       mine.velocity += body * to.count() * nodeValues;
       mine.momentum += body * to.count() * nodeValues;
-      kernel(mine, stripes_[static_cast<std::size_t>(s)], stripes_[static_cast<std::size_t>(s) + 1]);
+      const std::int64_t first = stripes_[static_cast<std::size_t>(s)];
+      const std::int64_t last = stripes_[static_cast<std::size_t>(s) + 1];
+      if (whole)
+        kernel(mine, first, last);
+      else
+        giveCells(kernel, mine, first, last);
       strays += mine.strays;
       far = far || mine.far;
       outside = outside || mine.outside;
+      fastest = std::max(fastest, mine.fastest);
     }
-  nodes_.swap(next_);
+  seen_ = { strays, far, outside };
+  if (whole)
+    fastest_ = job.keep ? fastest : -1;
+}
+
+template <int Dim>
+void FusedStep<Dim>::settle(const BackgroundGrid<Dim>& to, double kick, bool whole, bool keep)
+{
   leaving_ = false;
   lost_ = false;
-  const bool astray = far || static_cast<double>(strays) > sortAt * static_cast<double>(points_.count());
+  bool outside = seen_.outside;
+  const bool astray = seen_.far || static_cast<double>(seen_.strays) > sortAt * static_cast<double>(points_.count());
   if (single_ && whole && (keep || outside || astray))
     unpack(to);
+  bool cut = false;
+  for (int a = 0; a < Dim; ++a)
+    cut = cut || to.axis(a).isCut(0) || to.axis(a).isCut(1);
   if (outside && cut)
     outside = beyondEnds(to, keep);
-  kick_ = outside ? 0 : kick; // wrapped, or on a larger grid
+  grid_ = to;
+  kick_ = kick;
+  held_ = !outside; // else to be wrapped, or given to a larger grid
   if (!outside && !lost_ && astray)
     sort(to);
 }
@@ -257,10 +391,19 @@ template <int Dim>
 void FusedStep<Dim>::prepare(const BackgroundGrid<Dim>& grid, double kick)
 {
   sort(grid);
-  const auto values = static_cast<std::size_t>(bodies_.count * grid.count()) * nodeValues;
-  nodes_.assign(values, 0);
-  next_.assign(values, 0);
-  sweep(grid, grid, 0, kick, false, false);
+  nodes_.assign(static_cast<std::size_t>(bodies_.count * grid.count()) * nodeValues, 0);
+  sweep(jobOf(grid, grid, 0, kick), grid, false);
+  settle(grid, kick, false, false);
+}
+
+template <int Dim>
+void FusedStep<Dim>::adjust(double kick)
+{
+  if (std::fabs(kick - kick_) <= 1e-12 * kick)
+    return;
+  PointSweep job = jobOf(grid_, grid_, 0, kick - kick_);
+  job.forcesOnly = true;
+  sweep(job, grid_, false);
   kick_ = kick;
 }
 
@@ -268,17 +411,26 @@ template <int Dim>
 void FusedStep<Dim>::run(
   const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool keep)
 {
+  points_.setAffines({}); // from here on the nodes' velocities tell it
+  aside_.clear();
+  next_.resize(nodes_.size());
   const auto values = static_cast<std::int64_t>(next_.size());
 #pragma omp parallel for simd schedule(static) if (points_.count() > worthThreads)
   for (std::int64_t i = 0; i < values; ++i)
     next_[static_cast<std::size_t>(i)] = 0;
-  sweep(from, to, dt, kick, true, keep);
+  PointSweep job = jobOf(from, to, dt, kick);
+  job.keep = keep;
+  job.momentum = next_.data();
+  sweep(job, to, true);
+  nodes_.swap(next_);
+  past_.set(from, dt);
+  settle(to, kick, true, keep);
 }
 
 template <int Dim>
 void FusedStep<Dim>::keep(io::Checkpoint& checkpoint) const
 {
-  if (!(kick_ > 0))
+  if (!held_)
     return;
   std::vector<std::int64_t> cells;
   for (const PointCell& cell : cells_)
@@ -293,12 +445,21 @@ void FusedStep<Dim>::keep(io::Checkpoint& checkpoint) const
   checkpoint.arrays["nodes"] = { { static_cast<std::int64_t>(nodes_.size()) / nodeValues, nodeValues }, nodes_, "SI",
     "mass and momentum of each node, as the points gave them" };
   checkpoint.numbers["kick"] = kick_;
+  if (!past_.known())
+    return;
+  checkpoint.arrays["past nodes"] = { { static_cast<std::int64_t>(next_.size()) / nodeValues, nodeValues }, next_, "SI",
+    "nothing and the velocity of each node, which moved the points last" };
+  checkpoint.arrays["past grid"] = { { static_cast<std::int64_t>(past_.numbers().size()) }, past_.numbers(), "SI",
+    "of each axis lower end, spacing, cells, and rate and offset of what velocities were given since; then the step" };
 }
 
 template <int Dim>
 void FusedStep<Dim>::takeBack(const io::Checkpoint& checkpoint, const BackgroundGrid<Dim>& grid)
 {
   forget();
+  past_.forget();
+  aside_.clear();
+  fastest_ = -1;
   if (single_ || !checkpoint.arrays.contains("nodes"))
     return;
   const std::vector<std::int64_t>& cells = checkpoint.integers("point cells");
@@ -328,8 +489,20 @@ void FusedStep<Dim>::takeBack(const io::Checkpoint& checkpoint, const Background
   }
   stripes_ = stripes;
   nodes_ = nodes;
-  next_.assign(nodes_.size(), 0);
   kick_ = checkpoint.number("kick");
+  grid_ = grid;
+  held_ = true;
+  if (!checkpoint.arrays.contains("past nodes")) // earlier versions had none: the points have C
+    return;
+  const std::vector<double>& past = checkpoint.reals("past nodes");
+  checkpoint.expectFinite("past nodes");
+  checkpoint.expectFinite("past grid");
+  const auto each = static_cast<std::int64_t>(past.size()) / (bodies_.count * nodeValues);
+  if (static_cast<std::int64_t>(past.size()) != each * bodies_.count * nodeValues ||
+    !past_.take(checkpoint.reals("past grid"), each))
+    throw InputError("the checkpoint's velocities are not those of its grid", "start the run anew");
+  next_ = past;
+  points_.setAffines({});
 }
 
 template class FusedStep<2>;

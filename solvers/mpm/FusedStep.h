@@ -5,11 +5,14 @@
 #include "mpm/BackgroundGrid.h"
 #include "mpm/BodyContact.h"
 #include "mpm/MaterialPoints.h"
+#include "mpm/PastVelocity.h"
 #include "mpm/PointLaw.h"
 #include "mpm/kernels/PointKernels.h"
 
+#include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace lamella::mpm
@@ -18,7 +21,8 @@ namespace lamella::mpm
 /// The fast path of PointDynamics: points sorted by cell, one pass a step from grid to points to the next grid, by the
 /// kernels of PointKernels.h. Rows of cells (layers in 3D) are shared out in stripes of eight, every other one at a
 /// time, so that no two threads add to a node and the order of every sum is the same whatever their number. Bodies that
-/// are not joined follow each other: each has cells, stripes and nodes of its own.
+/// are not joined follow each other: each has cells, stripes and nodes of its own. The points' affine velocities are
+/// not stored after a step: they are had from the grid that it began with.
 template <int Dim>
 class FusedStep
 {
@@ -29,14 +33,27 @@ public:
   FusedStep(MaterialPoints<Dim>& points, const PointLaw<Dim>& law, const Bodies& bodies, const Vector<Dim>& gravity,
     bool single = false);
 
-  /// Whether the nodes hold mass and momentum of the points, forces over this time [s] included.
-  [[nodiscard]] bool ready(double kick) const noexcept;
+  /// Whether the nodes hold mass and momentum of the points, and forces over some time.
+  [[nodiscard]] bool ready() const noexcept { return held_; }
+  /// Where they do: adds what the forces over this time [s] have more.
+  void adjust(double kick);
   /// Where ranks share the grid: whether a point is half a cell beyond the rows of this one. One more step can be run,
   /// and has to keep velocities; then the point has to go to the other rank.
   [[nodiscard]] bool leaving() const noexcept { return leaving_; }
   /// Whether one is so far beyond that the nodes do not hold it, and has not kept its velocity.
   [[nodiscard]] bool lost() const noexcept { return lost_; }
-  void forget() noexcept { kick_ = 0; }
+  void forget() noexcept { held_ = false; }
+  /// C of a point [1/s], which has kept its velocity.
+  [[nodiscard]] Matrix<Dim> affine(std::size_t p) const;
+  /// The largest component of all, of this rank [1/s].
+  [[nodiscard]] double fastest() const;
+  /// Has the points store C, as those must that go to other ranks.
+  void storeAffines();
+  /// Keeps C of points that are about to be taken to the other end of a period.
+  void setAside(std::span<const std::size_t> points);
+  /// Does to the nodes, and to C, what is done to the points' velocities: v becomes keep v + rate (x − still) along an
+  /// axis.
+  void change(double keep, int axis, double rate, double still);
   /// Which points lie in which cell, and what the nodes hold: a step that takes it back goes on to the last bit.
   void keep(io::Checkpoint& checkpoint) const;
   /// @param grid that it was kept on; the points in the order that they were kept in. Forgets where the checkpoint has
@@ -48,8 +65,8 @@ public:
   /// Mass and momentum, nodeValues a node, of one body after another; to be made velocities before run().
   [[nodiscard]] std::span<double> nodes() noexcept { return nodes_; }
   /// Moves the points by the velocities on the nodes, and gives to the next grid, which has as many nodes.
-  /// @param keep whether the points get their velocities and gradients, which cost memory traffic and are needed only
-  /// where they are looked at or given to a grid anew
+  /// @param keep whether the points get their velocities, which cost memory traffic and are needed only where they are
+  /// looked at or given to a grid anew
   void run(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool keep);
 
 private:
@@ -60,8 +77,14 @@ private:
   /// State in single precision from the points, which lie in their cells, and back.
   void pack(const BackgroundGrid<Dim>& grid);
   void unpack(const BackgroundGrid<Dim>& grid);
-  void sweep(
-    const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool whole, bool keep);
+  /// All of a sweep but the nodes.
+  [[nodiscard]] PointSweep jobOf(
+    const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick);
+  void sweep(const PointSweep& job, const BackgroundGrid<Dim>& to, bool whole);
+  /// Goes by what a sweep has seen: notes points that are outside, sorts those that are astray.
+  void settle(const BackgroundGrid<Dim>& to, double kick, bool whole, bool keep);
+  /// Cells of a stripe, whose points' C is found first.
+  void giveCells(SweepCells kernel, PointSweep& job, std::int64_t first, std::int64_t last) const;
 
   MaterialPoints<Dim>& points_;
   LawKind kind_;
@@ -76,8 +99,20 @@ private:
   std::vector<PointCell> cells_;      ///< and one behind the last
   std::vector<std::int64_t> stripes_; ///< first cell of each, and one behind the last; of each body as many
   std::vector<double> nodes_;
-  std::vector<double> next_;
-  double kick_ = 0; ///< that the nodes were given forces for; 0: they hold nothing
+  std::vector<double> next_;                                 ///< after a step the velocities that it began with
+  BackgroundGrid<Dim> grid_;                                 ///< of the nodes
+  PastVelocity<Dim> past_;                                   ///< known: C is that of next_; else the points have it
+  std::vector<std::pair<std::uint32_t, Matrix<Dim>>> aside_; ///< C of those set aside, by number
+  double fastest_ = -1;                                      ///< largest component of C; below 0: not known
+  bool held_ = false;                                        ///< whether the nodes hold what the points give
+  double kick_ = 0;                                          ///< that they were given forces for
+  struct Seen
+  {
+    std::int64_t strays = 0;
+    bool far = false;
+    bool outside = false;
+  };
+  Seen seen_; ///< by the last sweep
   bool leaving_ = false;
   bool lost_ = false;
 };

@@ -171,7 +171,7 @@ private:
     for (std::size_t p = 0; p < points_.count(); ++p)
     {
       const Vector<Dim> v = points_.vector(Points::velocities, p);
-      const Matrix<Dim> c = points_.matrix(Points::affines, p);
+      const Matrix<Dim> c = points_.affine(p);
       const Matrix<Dim> tau = s_.law.kirchhoff(points_.phase()[p], points_.matrix(Points::deformations, p),
         points_.vector(Points::axes, p), points_.memory(p).data());
       Vector<Dim> body{};
@@ -218,7 +218,7 @@ private:
     for (std::size_t p = 0; p < points_.count(); ++p)
     {
       const Vector<Dim> v = points_.vector(Points::velocities, p);
-      const Matrix<Dim> c = points_.matrix(Points::affines, p);
+      const Matrix<Dim> c = points_.affine(p);
       reach_[p].forEach(
         [&](std::size_t at, double n, const Vector<Dim>&, const Vector<Dim>& offset)
         {
@@ -335,7 +335,7 @@ private:
       else
         v = seen;
       if (affine_)
-        points_.setMatrix(Points::affines, p, affineOf(velocity, p));
+        points_.setAffine(p, affineOf(velocity, p));
       position_[p] = points_.vector(Points::positions, p);
       for (int a = 0; a < Dim; ++a)
       {

@@ -31,7 +31,39 @@ MaterialPoints<Dim>::MaterialPoints(std::size_t count, int history)
 template <int Dim>
 std::size_t MaterialPoints<Dim>::bytes() const noexcept
 {
-  return data_.size() * sizeof(double) + phase_.size() + id_.size() * sizeof(std::uint32_t);
+  return (data_.size() + affine_.size()) * sizeof(double) + phase_.size() + id_.size() * sizeof(std::uint32_t);
+}
+
+template <int Dim>
+void MaterialPoints<Dim>::setAffines(const Matrix<Dim>& c) noexcept
+{
+  common_ = c;
+  stored_ = false;
+  decltype(affine_)().swap(affine_);
+}
+
+template <int Dim>
+void MaterialPoints<Dim>::storeAffines()
+{
+  if (stored_)
+    return;
+  affine_.resize(pitch_ * Dim * Dim);
+  for (std::size_t i = 0; i < Dim * Dim; ++i)
+    std::fill_n(affine_.begin() + static_cast<std::ptrdiff_t>(i * pitch_), pitch_, common_.m[i]);
+  stored_ = true;
+}
+
+template <int Dim>
+void MaterialPoints<Dim>::changeAffines(double keep, int axis, double rate)
+{
+  const auto change = [&](double c, int i) { return keep * c + (i == axis * (Dim + 1) ? rate : 0); };
+  for (int i = 0; i < Dim * Dim; ++i)
+  {
+    common_.m[i] = change(common_.m[i], i);
+    if (stored_)
+      for (double& c : column(affines() + i))
+        c = change(c, i);
+  }
 }
 
 template <int Dim>
@@ -41,9 +73,9 @@ void MaterialPoints<Dim>::reorder(std::span<const std::uint32_t> order)
   {
     std::vector<double> old(count_);
 #pragma omp for schedule(dynamic, 1)
-    for (int c = 0; c < columns_; ++c)
+    for (int c = 0; c < columns(); ++c)
     {
-      double* values = data_.data() + static_cast<std::size_t>(c) * pitch_;
+      double* const values = at(c);
       std::copy_n(values, count_, old.begin());
       for (std::size_t p = 0; p < count_; ++p)
         values[p] = old[order[p]];

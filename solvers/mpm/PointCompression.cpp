@@ -130,7 +130,9 @@ PointCompression<Dim>::PointCompression(
     const double middle = (options_.lower[at] + options_.upper[at]) / 2;
     for (std::size_t p = 0; p < points.count(); ++p)
       points.column(Points::velocities + axis)[p] = rate * (points.column(axis)[p] - middle);
-    std::fill_n(points.column(Points::affines + axis * Dim + axis).begin(), points.count(), rate);
+    Matrix<Dim> stretching{};
+    stretching(axis, axis) = rate;
+    points.setAffines(stretching);
   }
   motion.sides[at][0].velocity = closing / 2;
   motion.sides[at][1].velocity = -closing / 2;
@@ -216,8 +218,12 @@ std::string PointCompression<Dim>::scene(const MaterialPoints<Dim>& points, cons
       points.id(), comm,
       [&](std::uint64_t hash, std::size_t p)
       {
-        for (int c = 0; c < points.columns(); ++c)
-          hash = mixed(hash ^ std::bit_cast<std::uint64_t>(points.column(c)[p]));
+        const Matrix<Dim> affine = points.affine(p);
+        for (int n = 0; n < points.numbers(); ++n)
+        {
+          const int c = MaterialPoints<Dim>::columnOf(n);
+          hash = mixed(hash ^ std::bit_cast<std::uint64_t>(c < 0 ? affine.m[n - 2 * Dim] : points.column(c)[p]));
+        }
         return hash;
       }));
   line("phases of the points",

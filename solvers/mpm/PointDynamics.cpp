@@ -54,6 +54,7 @@ PointDynamics<Dim>::PointDynamics(
       const Side& given = options_.sides[static_cast<std::size_t>(a)][static_cast<std::size_t>(side)];
       walls_(a, side) = Wall{ given.straight, given.sticks, given.straight ? 0 : given.velocity, given.friction, 0 };
     }
+  shareAffines();
   double heaviest = 0;
   for (const double mass : points_.column(MaterialPoints<Dim>::masses))
     heaviest = std::max(heaviest, mass);
@@ -71,6 +72,8 @@ PointDynamics<Dim>::PointDynamics(
     static_cast<int>(law_->kind()) < lawKinds)
     fused_ = std::make_unique<FusedStep<Dim>>(
       points_, *law_, walls_.bodies, options_.gravity, options_.precision == Precision::Single);
+  if (!fused_ && options_.transfer == Transfer::Apic)
+    points_.storeAffines();
   checkOptions(fused_ || options_.precision == Precision::Double, "single precision, but the step is not a fused one",
     "take quadratic splines, lumped mass, APIC, stress last, an elastic law and no acceleration; or double");
   checkOptions(!options_.comm.parallel() ||
@@ -86,6 +89,34 @@ PointDynamics<Dim>::PointDynamics(
 
 template <int Dim>
 PointDynamics<Dim>::~PointDynamics() = default;
+
+template <int Dim>
+void PointDynamics<Dim>::shareAffines()
+{
+  if (options_.transfer != Transfer::Apic)
+    points_.setAffines({});
+  bool given = points_.storesAffines();
+  for (const double c : points_.commonAffine().m)
+    given = given || c != 0;
+  if (options_.comm.parallel() && options_.comm.any(given))
+    points_.storeAffines();
+}
+
+template <int Dim>
+Matrix<Dim> PointDynamics<Dim>::affine(std::size_t p) const
+{
+  return fused_ ? fused_->affine(p) : points_.affine(p);
+}
+
+template <int Dim>
+MaterialPoints<Dim> PointDynamics<Dim>::gather() const
+{
+  MaterialPoints<Dim> complete = points_;
+  complete.storeAffines();
+  for (std::size_t p = 0; p < complete.count(); ++p)
+    complete.setAffine(p, affine(p));
+  return ranks_.gather(complete);
+}
 
 template <int Dim>
 void PointDynamics<Dim>::check() const
@@ -240,10 +271,12 @@ template <int Dim>
 double PointDynamics<Dim>::fastestStrain() const
 {
   double worst = 0;
-#pragma omp parallel for schedule(static) reduction(max : worst) if (points_.count() > 2000)
-  for (std::size_t p = 0; p < points_.count(); ++p)
-    for (int i = 0; i < Dim * Dim; ++i)
-      worst = std::max(worst, std::fabs(points_.column(MaterialPoints<Dim>::affines + i)[p]));
+  if (fused_)
+    worst = fused_->fastest();
+  else
+    for (std::size_t p = 0; p < points_.count(); ++p)
+      for (const double c : points_.affine(p).m)
+        worst = std::max(worst, std::fabs(c));
   return options_.comm.max(worst);
 }
 
@@ -361,6 +394,8 @@ void PointDynamics<Dim>::generalStep(double dt, double kick)
 template <int Dim>
 void PointDynamics<Dim>::prepare(double kick)
 {
+  if (options_.comm.parallel()) // for where they go there is no grid that knows
+    fused_->storeAffines();
   ranks_.distribute(points_, grid_);
   together(options_.comm, [&] { fused_->prepare(ranks_.local(grid_), kick); });
 }
@@ -373,7 +408,7 @@ void PointDynamics<Dim>::fusedStep(double dt, double kick, bool look)
   constexpr int empty = 2;
   constexpr int lost = 3;
   const auto state = static_cast<int>(options_.comm.max(fused_->lost() ? lost
-      : !fused_->ready(kick)                                           ? empty
+      : !fused_->ready()                                               ? empty
       : fused_->leaving()                                              ? leaving
                                                                        : 0));
   if (state == lost)
@@ -384,10 +419,14 @@ void PointDynamics<Dim>::fusedStep(double dt, double kick, bool look)
       "take a smaller step, slower walls, or a law with a barrier against collapse");
   if (state == empty)
   {
+    if (options_.comm.parallel())
+      fused_->storeAffines();
     wrap();
     layGrid(false);
     prepare(kick);
   }
+  else
+    fused_->adjust(kick);
   constrain(ranks_.local(grid_), walls_, fused_->nodes(), kick, true, ranks_.rows(), &points_);
   addWork(kick);
   moveWalls(dt);
@@ -412,7 +451,7 @@ void PointDynamics<Dim>::fusedStep(double dt, double kick, bool look)
   }
   if (!same)
     fused_->forget();
-  else if (state == leaving && !options_.comm.any(!fused_->ready(dt)))
+  else if (state == leaving && !options_.comm.any(!fused_->ready()))
     prepare(dt); // and nothing is wrapped: when that is done must not depend on where the cuts are
 }
 

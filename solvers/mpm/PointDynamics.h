@@ -153,8 +153,10 @@ public:
   /// In the order of cells where the step is fused: id() tells which is which. Beyond the ends of a period by a quarter
   /// of a cell at most. This rank's.
   [[nodiscard]] const MaterialPoints<Dim>& points() const noexcept { return points_; }
-  /// Those of all ranks in the order of their numbers, on rank 0; none on the others.
-  [[nodiscard]] MaterialPoints<Dim> gather() const { return ranks_.gather(points_); }
+  /// The affine velocity C of a point [1/s], which those of a fused step do not have themselves.
+  [[nodiscard]] Matrix<Dim> affine(std::size_t p) const;
+  /// Those of all ranks in the order of their numbers, each with its C, on rank 0; none on the others.
+  [[nodiscard]] MaterialPoints<Dim> gather() const;
   /// Those whose numbers are from this rank's of `firsts` to the next one's, in no order. @param firsts as PointRanks
   /// takes them
   [[nodiscard]] MaterialPoints<Dim> byNumber(std::span<const std::int64_t> firsts) const
@@ -201,6 +203,8 @@ public:
 
 private:
   void check() const;
+  /// Points of all ranks are to store C, or none; and none but where it is used.
+  void shareAffines();
   void checkContact(std::size_t phases) const;
   [[nodiscard]] std::vector<double> densities() const; ///< of the bodies, of this rank's points
   /// Cells where the walls are now; of open axes where the points are, unless `keep`.

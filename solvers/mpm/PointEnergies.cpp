@@ -49,6 +49,7 @@ double PointDynamics<Dim>::kineticEnergy() const
   return sumOver(
     [&](std::size_t p)
     {
+      const Matrix<Dim> C = affine ? this->affine(p) : Matrix<Dim>{};
       double squares = 0;
       for (int a = 0; a < Dim; ++a)
       {
@@ -56,7 +57,7 @@ double PointDynamics<Dim>::kineticEnergy() const
         squares += v * v;
         for (int b = 0; b < Dim && affine; ++b)
         {
-          const double c = points_.column(Points::affines + a * Dim + b)[p] * grid_.axis(b).spacing;
+          const double c = C(a, b) * grid_.axis(b).spacing;
           squares += c * c / 4;
         }
       }
@@ -104,17 +105,11 @@ double PointDynamics<Dim>::changeVelocities(double keep, double add, int axis, d
 #pragma omp parallel for simd schedule(static) if (points_.count() > 2000)
     for (std::size_t p = 0; p < points_.count(); ++p)
       v[p] = keep * v[p] + (1 - keep + add) * own * (x[p] - still);
-    for (int b = 0; b < Dim; ++b)
-    {
-      const double ownGradient = a == axis && b == axis ? rate : 0;
-      auto c = points_.column(Points::affines + a * Dim + b);
-#pragma omp parallel for simd schedule(static) if (points_.count() > 2000)
-      for (std::size_t p = 0; p < points_.count(); ++p)
-        c[p] = keep * c[p] + (1 - keep + add) * ownGradient;
-    }
   }
   if (fused_)
-    fused_->forget();
+    fused_->change(keep, axis, (1 - keep + add) * rate, still);
+  else
+    points_.changeAffines(keep, axis, (1 - keep + add) * rate);
   return kineticEnergy() - before;
 }
 

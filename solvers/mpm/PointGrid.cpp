@@ -1,12 +1,15 @@
 // Walls around material points that move, and the grid laid between them.
 #include "core/Error.h"
+#include "mpm/FusedStep.h"
 #include "mpm/PointDynamics.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
+#include <vector>
 
 namespace lamella::mpm
 {
@@ -107,6 +110,23 @@ void PointDynamics<Dim>::moveWalls(double dt)
 template <int Dim>
 void PointDynamics<Dim>::wrap()
 {
+  if (fused_)
+  {
+    std::vector<std::size_t> wrapped;
+    for (std::size_t p = 0; p < points_.count(); ++p)
+    {
+      bool beyond = false;
+      for (int a = 0; a < Dim; ++a)
+      {
+        const auto& side = options_.sides[static_cast<std::size_t>(a)];
+        const double x = points_.column(a)[p];
+        beyond = beyond || (side[0].edge == Edge::Periodic && (x < side[0].position || x >= side[1].position));
+      }
+      if (beyond)
+        wrapped.push_back(p);
+    }
+    fused_->setAside(wrapped);
+  }
   for (int a = 0; a < Dim; ++a)
   {
     const auto& side = options_.sides[static_cast<std::size_t>(a)];

@@ -206,6 +206,9 @@ MaterialPoints<Dim> PointRanks<Dim>::send(
 
   const std::vector<std::size_t>& stay = to[self];
   MaterialPoints<Dim> next(stay.size() + come, points.history());
+  next.setAffines(points.commonAffine());
+  if (points.storesAffines())
+    next.storeAffines();
   for (int c = 0; c < points.columns(); ++c)
     for (std::size_t p = 0; p < stay.size(); ++p)
       next.column(c)[p] = points.column(c)[stay[p]];
@@ -248,6 +251,9 @@ MaterialPoints<Dim> PointRanks<Dim>::gather(const MaterialPoints<Dim>& points) c
   std::iota(order.begin(), order.end(), std::size_t{ 0 });
   std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return numbers[a] < numbers[b]; });
   MaterialPoints<Dim> all(numbers.size(), points.history());
+  all.setAffines(points.commonAffine());
+  if (points.storesAffines())
+    all.storeAffines();
   for (int c = 0; c < points.columns(); ++c)
   {
     const std::vector<double> values = comm_.gather(points.column(c));

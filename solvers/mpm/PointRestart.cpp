@@ -26,10 +26,19 @@ void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint) const
   const MaterialPoints<Dim>& points = several ? all : points_;
   const auto count = static_cast<std::int64_t>(points.count());
   std::vector<double> columns;
-  columns.reserve(points.count() * static_cast<std::size_t>(points.columns()));
-  for (int c = 0; c < points.columns(); ++c)
-    columns.insert(columns.end(), points.column(c).begin(), points.column(c).end());
-  checkpoint.arrays["points"] = { { points.columns(), count }, std::move(columns), "SI",
+  columns.reserve(points.count() * static_cast<std::size_t>(points.numbers()));
+  for (int n = 0; n < points.numbers(); ++n)
+    if (const int c = MaterialPoints<Dim>::columnOf(n); c >= 0)
+      columns.insert(columns.end(), points.column(c).begin(), points.column(c).end());
+    else
+      columns.resize(columns.size() + points.count());
+  for (std::size_t p = 0; p < points.count(); ++p)
+  {
+    const Matrix<Dim> c = several ? points.affine(p) : affine(p);
+    for (std::size_t i = 0; i < Dim * Dim; ++i)
+      columns[(2 * Dim + i) * points.count() + p] = c.m[i];
+  }
+  checkpoint.arrays["points"] = { { points.numbers(), count }, std::move(columns), "SI",
     "by component: position, velocity, gradient of velocity, deformation gradient, mass, initial volume, wall axis, "
     "history" };
   checkpoint.arrays["phase"] = { { count }, std::vector<std::int64_t>(points.phase().begin(), points.phase().end()), "",
@@ -80,7 +89,7 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   const auto& sides = checkpoint.reals("sides");
   const auto& cells = checkpoint.integers("cells");
   const auto count = static_cast<std::size_t>(count_);
-  if (columns.size() != count * static_cast<std::size_t>(points_.columns()) || phases.size() != count ||
+  if (columns.size() != count * static_cast<std::size_t>(points_.numbers()) || phases.size() != count ||
     ids.size() != count || sides.size() != static_cast<std::size_t>(Dim * 2 * valuesASide) ||
     cells.size() != static_cast<std::size_t>(Dim))
     throw InputError(fmt::format("the checkpoint is not of {} material points", count), "start the run anew");
@@ -115,10 +124,15 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   const auto ranks = static_cast<std::size_t>(options_.comm.size());
   const std::size_t first = count * rank / ranks;
   points_ = MaterialPoints<Dim>(count * (rank + 1) / ranks - first, points_.history());
+  points_.storeAffines();
   for (std::size_t p = 0; p < points_.count(); ++p)
   {
-    for (int c = 0; c < points_.columns(); ++c)
-      points_.column(c)[p] = columns[static_cast<std::size_t>(c) * count + first + p];
+    for (int n = 0; n < points_.numbers(); ++n)
+    {
+      const int c = MaterialPoints<Dim>::columnOf(n);
+      points_.column(c < 0 ? points_.affines() + n - 2 * Dim : c)[p] =
+        columns[static_cast<std::size_t>(n) * count + first + p];
+    }
     points_.phase()[p] = static_cast<std::uint8_t>(phases[first + p]);
     points_.id()[p] = static_cast<std::uint32_t>(ids[first + p]);
   }

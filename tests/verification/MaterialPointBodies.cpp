@@ -80,7 +80,7 @@ TEST(MaterialPointBodies, ASpinningDiskKeepsItsAngularMomentum)
     double sum = 0;
     for (std::size_t p = 0; p < q.count(); ++p)
     {
-      const Matrix<2> c = q.matrix(Points::affines, p);
+      const Matrix<2> c = disk.affine(p);
       sum += q.column(Points::masses)[p] *
         ((q.column(0)[p] - 0.5) * q.column(3)[p] - (q.column(1)[p] - 0.5) * q.column(2)[p] +
           h * h / 4 * (c(1, 0) - c(0, 1)));

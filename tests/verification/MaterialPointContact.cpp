@@ -351,7 +351,7 @@ Brush brush(int cells, double friction)
     double sum = 0;
     for (std::size_t p = 0; p < q.count(); ++p)
     {
-      const Matrix<2> c = q.matrix(MaterialPoints<2>::affines, p);
+      const Matrix<2> c = disks.affine(p);
       if (phase < 0 || q.phase()[p] == phase)
         sum += q.column(MaterialPoints<2>::masses)[p] *
           ((q.column(0)[p] - x) * q.column(3)[p] - (q.column(1)[p] - y) * q.column(2)[p] +

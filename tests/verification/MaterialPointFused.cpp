@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 #include <omp.h>
 
+#include <vector>
+
 namespace
 {
 
@@ -24,7 +26,7 @@ void agree(LawKind law, int cells, int steps)
     plain->advance(steps);
     fused->advance(steps);
     // round-off, which the motion amplifies: measured 5e-14 to 3e-10
-    EXPECT_LT(difference(*plain, fused->points()), 1e-8) << static_cast<int>(scene);
+    EXPECT_LT(difference(*plain, fused->gather()), 1e-8) << static_cast<int>(scene);
     EXPECT_NEAR(plain->wall(1, 1).force, fused->wall(1, 1).force, 1e-8) << static_cast<int>(scene);
     if (scene != Scene::Periodic) // of a period that grows each image has another kinetic energy
       EXPECT_NEAR(plain->energies().dissipated(), fused->energies().dissipated(), 1e-8) << static_cast<int>(scene);
@@ -53,8 +55,8 @@ void agreeInSinglePrecision(LawKind law, int cells, int steps)
     full->advance(steps);
     single->advance(steps);
     // the last bit, 6e-8, amplified by the motion as that of doubles is: up to 1.1e-3 was measured
-    EXPECT_LT(difference(*full, single->points()), 5e-3) << static_cast<int>(scene);
-    EXPECT_GT(difference(*full, single->points()), 1e-9) << static_cast<int>(scene);
+    EXPECT_LT(difference(*full, single->gather()), 5e-3) << static_cast<int>(scene);
+    EXPECT_GT(difference(*full, single->gather()), 1e-9) << static_cast<int>(scene);
     EXPECT_NEAR(full->wall(1, 1).force, single->wall(1, 1).force, 1e-4) << static_cast<int>(scene);
   }
 }
@@ -72,6 +74,76 @@ TEST(MaterialPointFused, SinglePrecisionIsTheFusedStepsOnly)
 {
   EXPECT_THROW(shell<2>(LawKind::Isotropic, Scene::Open, false, 8, lamella::Communicator(), Precision::Single),
     lamella::ParameterError);
+}
+
+/// Everything that is done to all velocities at once.
+/// @param left what calming leaves of them; 1 where a period grows, whose rate is not calmed
+template <int Dim>
+void change(PointDynamics<Dim>& body, double left)
+{
+  body.scaleVelocities(0.8);
+  body.addStretching(1, 0.1, 0.4);
+  body.calm(left, 1, -0.2, 0.3);
+}
+
+// Fused steps store no affine velocities: those of the grid that moved the points must be what the plain path stores,
+// also after all velocities were changed, on grids of other numbers of cells, and where points went round a period.
+template <int Dim>
+void keepNoAffines(int cells, int steps)
+{
+  for (const Scene scene : { Scene::Straight, Scene::Open, Scene::Periodic })
+  {
+    const auto plain = shell<Dim>(LawKind::Isotropic, scene, false, cells);
+    const auto fused = shell<Dim>(LawKind::Isotropic, scene, true, cells);
+    for (const double left : { 0.7, 0.0 })
+    {
+      for (const auto& body : { plain.get(), fused.get() })
+      {
+        body->advance(steps);
+        change(*body, scene == Scene::Periodic ? 1 : left);
+      }
+      EXPECT_FALSE(fused->points().storesAffines());
+      EXPECT_LT(difference(*plain, fused->gather()), 1e-8) << static_cast<int>(scene); // as agree()
+      plain->advance(steps / 2);
+      fused->advance(steps / 2);
+      EXPECT_LT(difference(*plain, fused->gather()), 1e-8) << static_cast<int>(scene);
+      if (scene != Scene::Periodic) // as in agree()
+        EXPECT_NEAR(plain->energies().kinetic, fused->energies().kinetic, 1e-10);
+    }
+  }
+}
+
+TEST(MaterialPointFused, AffineVelocitiesAreThoseOfTheGrid)
+{
+  keepNoAffines<2>(16, 30);
+  keepNoAffines<3>(8, 12);
+}
+
+// What goes on from a checkpoint does so to the last bit, also from where all velocities were changed; from one of
+// before, which has the points' affine velocities but not the grid that they came from, to round-off.
+TEST(MaterialPointFused, GoesOnFromACheckpoint)
+{
+  const auto whole = shell<2>(LawKind::Orthotropic, Scene::Periodic, true, 16);
+  whole->advance(30);
+  change(*whole, 1);
+  lamella::io::Checkpoint kept;
+  whole->keep(kept);
+  lamella::io::Checkpoint older = kept;
+  ASSERT_EQ(older.arrays.erase("past nodes") + older.arrays.erase("past grid"), 2U);
+  const auto again = shell<2>(LawKind::Orthotropic, Scene::Periodic, true, 16);
+  const auto ofOlder = shell<2>(LawKind::Orthotropic, Scene::Periodic, true, 16);
+  again->takeBack(kept);
+  ofOlder->takeBack(older);
+  for (const auto& body : { whole.get(), again.get(), ofOlder.get() })
+  {
+    change(*body, 1);
+    body->sortAnew(); // so that affine velocities are given to the grid
+    body->advance(25);
+  }
+  EXPECT_EQ(difference(*whole, again->gather()), 0);
+  EXPECT_LT(difference(*whole, ofOlder->gather()), 1e-8); // as agree()
+  kept.arrays.at("past grid").values = std::vector<double>(11, 1.0);
+  EXPECT_THROW(again->takeBack(kept), lamella::InputError);
 }
 
 // With one point a cell all points start on the ends of the polynomials' cells, and nodes along the outline are reached
@@ -106,7 +178,7 @@ TEST(MaterialPointFused, IsTheSameOnAnyNumberOfThreads)
     omp_set_num_threads(threads);
     const auto several = shell<2>(LawKind::Orthotropic, Scene::Straight, true, 40);
     several->advance(60);
-    EXPECT_EQ(difference(*one, several->points()), 0) << threads; // to the last bit
+    EXPECT_EQ(difference(*one, several->gather()), 0) << threads; // to the last bit
     EXPECT_EQ(one->wall(1, 1).force, several->wall(1, 1).force);
   }
   omp_set_num_threads(before);

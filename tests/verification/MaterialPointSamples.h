@@ -76,7 +76,7 @@ void setVelocities(MaterialPoints<Dim>& points, const std::function<Vector<Dim>(
       for (int a = 0; a < Dim; ++a)
         c(a, b) = (velocity(high)[a] - velocity(low)[a]) / (2 * d);
     }
-    points.setMatrix(Points::affines, p, c);
+    points.setAffine(p, c);
   }
 }
 
@@ -103,6 +103,8 @@ MaterialPoints<Dim> shareOf(const MaterialPoints<Dim>& points, const Communicato
     if (points.id()[p] % static_cast<unsigned>(comm.size()) == static_cast<unsigned>(comm.rank()))
       mine.push_back(p);
   MaterialPoints<Dim> share(mine.size(), points.history());
+  if (points.storesAffines())
+    share.storeAffines();
   for (std::size_t p = 0; p < mine.size(); ++p)
   {
     for (int c = 0; c < points.columns(); ++c)
@@ -114,16 +116,19 @@ MaterialPoints<Dim> shareOf(const MaterialPoints<Dim>& points, const Communicato
 }
 
 /// Largest difference of a column over its largest value, or 0.01, over all columns, of points with the same numbers; a
-/// point may be on the other side of a period.
+/// point may be on the other side of a period. Affine velocities are compared where b stores them.
 template <int Dim>
 double difference(const PointDynamics<Dim>& a, const MaterialPoints<Dim>& b)
 {
   constexpr int velocities = MaterialPoints<Dim>::velocities;
+  MaterialPoints<Dim> mine = a.points();
+  for (std::size_t p = 0; p < mine.count(); ++p)
+    mine.setAffine(p, a.affine(p));
   std::vector<std::size_t> place(b.count());
   for (std::size_t p = 0; p < place.size(); ++p)
     place[b.id()[p]] = p;
   double worst = 0;
-  for (int c = 0; c < a.points().columns(); ++c)
+  for (int c = 0; c < b.columns(); ++c)
   {
     const int axis = c < velocities ? c : c - velocities;
     const bool turns = c < velocities + Dim && a.grid().axis(axis).end(0) == Edge::Periodic;
@@ -131,15 +136,15 @@ double difference(const PointDynamics<Dim>& a, const MaterialPoints<Dim>& b)
     double off = 0;
     for (std::size_t p = 0; p < place.size(); ++p)
     {
-      const std::size_t other = place[a.points().id()[p]];
-      double d = a.points().column(c)[p] - b.column(c)[other];
+      const std::size_t other = place[mine.id()[p]];
+      double d = mine.column(c)[p] - b.column(c)[other];
       if (turns) // then it has the velocity of the other end too
       {
         const double length = a.grid().axis(axis).length();
-        const double count = std::round((a.points().column(axis)[p] - b.column(axis)[other]) / length);
+        const double count = std::round((mine.column(axis)[p] - b.column(axis)[other]) / length);
         d -= count * (c < velocities ? length : a.wall(axis, 1).velocity);
       }
-      largest = std::max(largest, std::fabs(a.points().column(c)[p]));
+      largest = std::max(largest, std::fabs(mine.column(c)[p]));
       off = std::max(off, std::fabs(d));
     }
     worst = std::max(worst, off / largest);

@@ -48,9 +48,15 @@ struct StateColumns
 
 struct PointSweep
 {
-  double* columns; ///< of MaterialPoints; in single precision only the velocities and their gradients are used
+  double* columns; ///< of MaterialPoints; in single precision only the velocities are used
   std::int64_t pitch;
-  float* state; ///< of the kernels in single precision
+  /// Affine velocities C of the cells' points, column by column, and a vector's length to spare behind each; read where
+  /// points only give to the grid.
+  const double* affines;
+  std::int64_t affinesPitch;
+  std::int64_t affinesFirst; ///< point that they begin with
+  bool forcesOnly;           ///< where points only give to the grid: neither mass nor the momentum that they have
+  float* state;              ///< of the kernels in single precision
   std::int64_t statePitch;
   double massScale; ///< [kg]: of what is far below 1 no product may underflow
   const std::uint8_t* phase;
@@ -60,7 +66,7 @@ struct PointSweep
   double* momentum;       ///< mass and momentum of the nodes, added to
   double dt;
   double kick; ///< of the forces that are added
-  bool keep;   ///< writes the points' velocities and their gradients: nothing within the sweeps reads them
+  bool keep;   ///< writes the points' velocities: nothing within the sweeps reads them
   double gravity[3];
   const double* constants; ///< of the law, phase by phase
   bool onePhase;           ///< the constants are those of all phases
@@ -69,6 +75,7 @@ struct PointSweep
   std::int64_t strays; ///< points outside the cell that they are listed under; they are dealt with one by one
   bool far;            ///< one of them by more than a cell
   bool outside;        ///< a point beyond `least` or `most`, or no longer finite
+  double fastest;      ///< with `keep`: largest component of the points' affine velocities [1/s]
 };
 
 /// Cells first … last − 1.

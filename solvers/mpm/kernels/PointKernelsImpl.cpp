@@ -18,9 +18,8 @@ struct Columns
 {
   static constexpr int positions = 0;
   static constexpr int velocities = Dim;
-  static constexpr int affines = 2 * Dim;
-  static constexpr int deformations = 2 * Dim + Dim * Dim;
-  static constexpr int masses = 2 * Dim + 2 * Dim * Dim;
+  static constexpr int deformations = 2 * Dim;
+  static constexpr int masses = deformations + Dim * Dim;
   static constexpr int volumes = masses + 1;
   static constexpr int axes = masses + 2;
 };
@@ -299,18 +298,23 @@ private:
     for (int k = 0; k < Cells; ++k)
       value.template group<Cells>(k).storeFirst(first + (chunk.point[k] - chunk.point[0]), chunk.count[k]);
   }
-  /// Of what is kept in double.
-  R loadKept(int c, const Chunk& chunk) const
+  /// Of a column that is double in every precision, and begins with point `first`.
+  static R loadDoubles(const double* column, const Chunk& chunk, std::int64_t first = 0)
   {
     if constexpr (single)
     {
       T values[N];
       for (int k = 0; k < Cells; ++k)
-        Node::load(s_.columns + c * s_.pitch + chunk.point[k]).template as<T>().store(values + own * k);
+        Node::load(column + (chunk.point[k] - first)).template as<T>().store(values + own * k);
       return R::load(values);
     }
     else
-      return load(c, chunk);
+    {
+      const double* at[Cells];
+      for (int k = 0; k < Cells; ++k)
+        at[k] = column + (chunk.point[k] - first);
+      return R::template loadGroups<Cells>(at);
+    }
   }
   void storeKept(int c, const Chunk& chunk, const R& value) const
   {
@@ -361,9 +365,9 @@ private:
     else
     {
       for (int a = 0; a < Dim; ++a)
-        v[a] = loadKept(Kept::velocities + a, chunk);
+        v[a] = s_.forcesOnly ? R(0.0) : loadDoubles(s_.columns + (Kept::velocities + a) * s_.pitch, chunk);
       for (int i = 0; i < Dim * Dim; ++i)
-        affine.m[i] = loadKept(Kept::affines + i, chunk);
+        affine.m[i] = s_.forcesOnly ? R(0.0) : loadDoubles(s_.affines + i * s_.affinesPitch, chunk, s_.affinesFirst);
     }
     give<Fresh>(chunk, x, v, affine, Law::kirchhoff(constants_, wholeOf(F), axis));
   }
@@ -403,8 +407,13 @@ private:
     {
       for (int a = 0; a < Dim; ++a)
         storeKept(Kept::velocities + a, chunk, v[a]);
-      for (int i = 0; i < Dim * Dim; ++i)
-        storeKept(Kept::affines + i, chunk, affine.m[i]);
+      R most = abs(affine.m[0]);
+      for (int i = 1; i < Dim * Dim; ++i)
+        most = max(most, abs(affine.m[i]));
+      const unsigned here = present(chunk);
+      for (int l = 0; l < N; ++l)
+        if ((here >> l & 1U) != 0 && static_cast<double>(most.v[l]) > s_.fastest)
+          s_.fastest = static_cast<double>(most.v[l]);
     }
     const Matrix<Dim, R> before = wholeOf(F);
     for (int i = 0; i < Dim; ++i)
@@ -440,7 +449,7 @@ private:
       for (int a = 0; a < 3; ++a)
         at[a] = CellPlace<R>(select(inside, at[a].e, none));
     const R m = select(inside, mass, none);
-    addMoments<Dim, Fresh>(moments_[0], at, m);
+    addMoments<Dim, Fresh>(moments_[0], at, !Whole && s_.forcesOnly ? none : m);
 #pragma GCC unroll 3
     for (int c = 0; c < Dim; ++c)
     {
@@ -540,7 +549,7 @@ private:
       [&](std::int64_t node, double weight, const double* g, const double* d)
       {
         double* out = s_.momentum + node;
-        out[0] += weight * bulk;
+        out[0] += !Whole && s_.forcesOnly ? 0 : weight * bulk;
         for (int c = 0; c < Dim; ++c)
         {
           double speed = static_cast<double>(v[c].v[lane]) + s_.kick * s_.gravity[c];

@@ -365,9 +365,11 @@ mpm::MaterialPoints<Dim> PointScene::points() const
   team_.agree(
     [&]
     {
-      // the points themselves; sorting them anew takes a column, a solve and the grid about as much again
+      // the points themselves, with C where they yield; sorting them anew takes a column, a solve and the grid about as
+      // much again
+      const int affine = options.history > 0 ? Dim * Dim : 0;
       const double bytes =
-        static_cast<double>(mine) * (8.0 * (mpm::MaterialPoints<Dim>::histories + options.history) + 5);
+        static_cast<double>(mine) * (8.0 * (mpm::MaterialPoints<Dim>::histories + options.history + affine) + 5);
       if (const auto available = static_cast<double>(availableMemory()); 2 * bytes > available)
         throw MemoryError(fmt::format("material points and their grid need {} of memory at least, and {} are free",
                             bytesText(2 * bytes), bytesText(available)),

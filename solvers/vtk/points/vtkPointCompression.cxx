@@ -239,7 +239,6 @@ void vtkPointCompression::Internals::Solve(
   const auto law = scene.law<Dim>();
   mpm::MaterialPoints<Dim> points = scene.points<Dim>();
   account.Points = static_cast<double>(scene.pointCount());
-  account.BytesPerPoint = comm.sum(static_cast<double>(points.bytes())) / account.Points;
   const lamella::PointShare<Dim> share = lamella::shareAtStart(points, scene.shares(), comm);
   self.LetStop(team);
   const lamella::PointArrays arrays{ self.ComputeDisplacement, self.ComputeVelocity, self.ComputeStress,
@@ -281,6 +280,7 @@ void vtkPointCompression::Internals::Solve(
   account.SetupSeconds = comm.max(lamella::secondsSince(start));
   const auto moved = lamella::Clock::now();
   const bool finished = run.run();
+  account.BytesPerPoint = comm.sum(static_cast<double>(run.body().points().bytes())) / account.Points;
   account.RunSeconds = comm.max(lamella::secondsSince(moved));
   look(); // also where it was stopped
   if (!finished)
