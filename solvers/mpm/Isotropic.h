@@ -23,15 +23,32 @@ struct Isotropic
   [[nodiscard]] static Matrix<Dim, Real> kirchhoff(
     const Real* c, const Matrix<Dim, Real>& F, const Vector<Dim, Real>& /*axis*/)
   {
-    const Matrix<Dim, Real> v = leftStretch(F);
-    const Real first = c[0] * (trace(v) - static_cast<double>(Dim)) - 2.0 * c[1];
-    const Real volume = VolumeBarrier::kirchhoff(c[2], determinant(F));
-    Matrix<Dim, Real> tau = productTransposed(F, F);
-    for (int i = 0; i < Dim * Dim; ++i)
-      tau.m[i] = 2.0 * c[1] * tau.m[i] + first * v.m[i];
-    for (int i = 0; i < Dim; ++i)
-      tau(i, i) = tau(i, i) + volume;
-    return tau;
+    if constexpr (Dim == 3)
+    {
+      const StretchInvariants<Real> s = stretchInvariants(F);
+      const Matrix<3, Real> square = symmetricProductTransposed(F, F);
+      return stress(c, square, leftStretch(square, s), s.first, s.third);
+    }
+    else
+    {
+      const Matrix<Dim, Real> v = leftStretch(F);
+      return stress(c, productTransposed(F, F), v, trace(v), determinant(F));
+    }
+  }
+
+  /// @param square F Fᵀ @param first trace of V
+  template <int Dim, class Real>
+  [[nodiscard]] static Matrix<Dim, Real> stress(
+    const Real* c, const Matrix<Dim, Real>& square, const Matrix<Dim, Real>& v, const Real& first, const Real& J)
+  {
+    const Real ofV = c[0] * (first - static_cast<double>(Dim)) - 2.0 * c[1];
+    const Real volume = VolumeBarrier::kirchhoff(c[2], J);
+    return symmetric<Dim, Real>(
+      [&](int i, int j)
+      {
+        const Real t = 2.0 * c[1] * square(i, j) + ofV * v(i, j);
+        return i == j ? t + volume : t;
+      });
   }
 
   /// The third stretch is 1: what is left are λ and the barrier.

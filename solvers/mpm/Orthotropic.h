@@ -32,11 +32,10 @@ struct Orthotropic
   [[nodiscard]] static Matrix<Dim, Real> kirchhoff(
     const Real* c, const Matrix<Dim, Real>& F, const Vector<Dim, Real>& axis)
   {
-    const Real volume = VolumeBarrier::kirchhoff(c[barrier], determinant(F));
     if constexpr (Dim == 2)
-      return inPlane(c, F, axis, volume);
+      return inPlane(c, F, axis, VolumeBarrier::kirchhoff(c[barrier], determinant(F)));
     else
-      return inSpace(c, F, axis, volume);
+      return inSpace(c, F, axis);
   }
 
   /// The third stretch is 1, so R does not turn it: C₁₃ e₁₁ + C₂₃ e₂₂ on the wall's axes, and the barrier.
@@ -89,13 +88,15 @@ struct Orthotropic
       const Real dilation = trace(e);
       const Real all = c[0] * dilation + c[2] * aea;
       const Real own = c[2] * dilation + c[4] * aea;
-      Matrix<3, Real> t;
+      Real b[3]; // a⊗b + b⊗a has all that the axis adds
       for (int i = 0; i < 3; ++i)
-        for (int j = 0; j < 3; ++j)
-          t(i, j) = 2.0 * c[1] * e(i, j) + own * axis[i] * axis[j] + 2.0 * c[3] * (axis[i] * ea[j] + ea[i] * axis[j]);
-      for (int i = 0; i < 3; ++i)
-        t(i, i) = t(i, i) + all;
-      return t;
+        b[i] = 0.5 * own * axis[i] + 2.0 * c[3] * ea[i];
+      return symmetric<3, Real>(
+        [&](int i, int j)
+        {
+          const Real t = 2.0 * c[1] * e(i, j) + axis[i] * b[j] + b[i] * axis[j];
+          return i == j ? t + all : t;
+        });
     }
   }
 
@@ -136,34 +137,34 @@ private:
   }
 
   template <class Real>
-  [[nodiscard]] static Matrix<3, Real> inSpace(
-    const Real* k, const Matrix<3, Real>& F, const Vector<3, Real>& axis, const Real& volume)
+  [[nodiscard]] static Matrix<3, Real> inSpace(const Real* k, const Matrix<3, Real>& F, const Vector<3, Real>& axis)
   {
-    const Matrix<3, Real> r = rotation(F);
-    const Matrix<3, Real> u = transposedProduct(r, F);
-    const Matrix<3, Real> t = hooke(k, lessIdentity(u), axis);
-    // A, the cross product with w, makes (T + A) U symmetric: (tr U I − U) w = axial vector of U T − T U
-    Matrix<3, Real> y = product(t, u);
-    const Real x0 = y(1, 2) - y(2, 1);
-    const Real x1 = y(2, 0) - y(0, 2);
-    const Real x2 = y(0, 1) - y(1, 0);
-    Matrix<3, Real> g;
-    for (int i = 0; i < 9; ++i)
-      g.m[i] = -u.m[i];
-    for (int i = 0; i < 3; ++i)
-      g(i, i) = g(i, i) + trace(u);
-    const Matrix<3, Real> inverse = cofactor(g); // times det g
-    const Real scale = 1.0 / determinant(g);
+    const StretchInvariants<Real> s = stretchInvariants(F);
+    const Matrix<3, Real> square = symmetricTransposedProduct(F, F);
+    const Matrix<3, Real> r = rotation(F, square, s);
+    const Matrix<3, Real> u = symmetricTransposedProduct(r, F);
+    Matrix<3, Real> t = hooke(k, lessIdentity(u), axis);
+    // A, the cross product with w, makes (T + A) U symmetric: (tr U I − U) w = axial vector x of U T − T U. The inverse
+    // is (U² + i₂ I) / (i₁ i₂ − i₃)
+    const auto skew = [&](int i, int j)
+    {
+      Real sum = t(i, 0) * u(0, j) - u(i, 0) * t(0, j);
+      for (int n = 1; n < 3; ++n)
+        sum = sum + t(i, n) * u(n, j) - u(i, n) * t(n, j);
+      return sum;
+    };
+    const Real x[3] = { skew(1, 2), skew(2, 0), skew(0, 1) };
     Real w[3];
     for (int i = 0; i < 3; ++i)
-      w[i] = (inverse(i, 0) * x0 + inverse(i, 1) * x1 + inverse(i, 2) * x2) * scale;
-    for (int j = 0; j < 3; ++j)
-    {
-      y(0, j) = y(0, j) + w[1] * u(2, j) - w[2] * u(1, j);
-      y(1, j) = y(1, j) + w[2] * u(0, j) - w[0] * u(2, j);
-      y(2, j) = y(2, j) + w[0] * u(1, j) - w[1] * u(0, j);
-    }
-    Matrix<3, Real> tau = productTransposed(product(r, y), r);
+      w[i] = (square(i, 0) * x[0] + square(i, 1) * x[1] + square(i, 2) * x[2] + s.second * x[i]) * s.inverse;
+    t(0, 1) = t(0, 1) - w[2];
+    t(0, 2) = t(0, 2) + w[1];
+    t(1, 0) = t(1, 0) + w[2];
+    t(1, 2) = t(1, 2) - w[0];
+    t(2, 0) = t(2, 0) - w[1];
+    t(2, 1) = t(2, 1) + w[0];
+    Matrix<3, Real> tau = symmetricProductTransposed(product(r, t), F); // U Rᵀ = Fᵀ
+    const Real volume = VolumeBarrier::kirchhoff(k[barrier], s.third);
     for (int i = 0; i < 3; ++i)
       tau(i, i) = tau(i, i) + volume;
     return tau;

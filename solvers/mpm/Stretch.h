@@ -45,6 +45,62 @@ inline Real trace(const Matrix<Dim, Real>& m)
   return sum;
 }
 
+/// A matrix that is known to be symmetric: its entries on the diagonal and above are found.
+template <int Dim, class Real, class Product>
+inline Matrix<Dim, Real> symmetric(Product&& entry)
+{
+  Matrix<Dim, Real> c;
+  for (int i = 0; i < Dim; ++i)
+    for (int j = i; j < Dim; ++j)
+    {
+      c(i, j) = entry(i, j);
+      c(j, i) = c(i, j);
+    }
+  return c;
+}
+
+/// a b, of which it is known that it is symmetric.
+template <int Dim, class Real>
+inline Matrix<Dim, Real> symmetricProduct(const Matrix<Dim, Real>& a, const Matrix<Dim, Real>& b)
+{
+  return symmetric<Dim, Real>(
+    [&](int i, int j)
+    {
+      Real sum = a(i, 0) * b(0, j);
+      for (int k = 1; k < Dim; ++k)
+        sum = sum + a(i, k) * b(k, j);
+      return sum;
+    });
+}
+
+/// aᵀ b, likewise.
+template <int Dim, class Real>
+inline Matrix<Dim, Real> symmetricTransposedProduct(const Matrix<Dim, Real>& a, const Matrix<Dim, Real>& b)
+{
+  return symmetric<Dim, Real>(
+    [&](int i, int j)
+    {
+      Real sum = a(0, i) * b(0, j);
+      for (int k = 1; k < Dim; ++k)
+        sum = sum + a(k, i) * b(k, j);
+      return sum;
+    });
+}
+
+/// a bᵀ, likewise.
+template <int Dim, class Real>
+inline Matrix<Dim, Real> symmetricProductTransposed(const Matrix<Dim, Real>& a, const Matrix<Dim, Real>& b)
+{
+  return symmetric<Dim, Real>(
+    [&](int i, int j)
+    {
+      Real sum = a(i, 0) * b(j, 0);
+      for (int k = 1; k < Dim; ++k)
+        sum = sum + a(i, k) * b(j, k);
+      return sum;
+    });
+}
+
 /// The sum of the products of all entries.
 template <int Dim, class Real>
 inline Real contraction(const Matrix<Dim, Real>& a, const Matrix<Dim, Real>& b)
@@ -130,6 +186,20 @@ inline StretchInvariants<Real> stretchInvariants(const Matrix<3, Real>& F)
   return s;
 }
 
+/// R in space of what is known already.
+/// @param square FᵀF
+template <class Real>
+inline Matrix<3, Real> rotation(
+  const Matrix<3, Real>& F, const Matrix<3, Real>& square, const StretchInvariants<Real>& s)
+{
+  const Real ofCofactor = s.first * s.inverse;
+  const Real ofF = (s.first * s.first - s.second) * s.inverse;
+  Matrix<3, Real> r = product(F, square);
+  for (int i = 0; i < 9; ++i)
+    r.m[i] = ofCofactor * s.cofactor.m[i] + ofF * F.m[i] - s.inverse * r.m[i];
+  return r;
+}
+
 /// R, closed (in space after Hoger and Carlson, Quart. Appl. Math. 42 (1984) 113): i₁ cof F + (i₁² − i₂) F − F FᵀF over
 /// i₁ i₂ − i₃. Round-off over the sum of the two least stretches, of which the greatest is 1, as with any method.
 /// @param F with det F > 0
@@ -147,14 +217,24 @@ inline Matrix<Dim, Real> rotation(const Matrix<Dim, Real>& F)
   }
   else
   {
-    const StretchInvariants<Real> s = stretchInvariants(F);
-    const Real ofCofactor = s.first * s.inverse;
-    const Real ofF = (s.first * s.first - s.second) * s.inverse;
-    Matrix<3, Real> r = product(F, transposedProduct(F, F));
-    for (int i = 0; i < 9; ++i)
-      r.m[i] = ofCofactor * s.cofactor.m[i] + ofF * F.m[i] - s.inverse * r.m[i];
-    return r;
+    return rotation(F, symmetricTransposedProduct(F, F), stretchInvariants(F));
   }
+}
+
+/// V in space of what is known already.
+/// @param square F Fᵀ
+template <class Real>
+inline Matrix<3, Real> leftStretch(const Matrix<3, Real>& square, const StretchInvariants<Real>& s)
+{
+  const Real ofSquare = (s.first * s.first - s.second) * s.inverse;
+  const Real ofIdentity = s.first * s.third * s.inverse;
+  const Matrix<3, Real> v = symmetricProduct(square, square);
+  return symmetric<3, Real>(
+    [&](int i, int j)
+    {
+      const Real rest = ofSquare * square(i, j) - s.inverse * v(i, j);
+      return i == j ? rest + ofIdentity : rest;
+    });
 }
 
 /// V of F = V R: F Rᵀ, in space as its polynomial of F Fᵀ.
@@ -165,17 +245,7 @@ inline Matrix<Dim, Real> leftStretch(const Matrix<Dim, Real>& F)
   if constexpr (Dim == 2)
     return productTransposed(F, rotation(F));
   else
-  {
-    const StretchInvariants<Real> s = stretchInvariants(F);
-    const Matrix<3, Real> b = productTransposed(F, F);
-    const Real ofB = (s.first * s.first - s.second) * s.inverse;
-    Matrix<3, Real> v = product(b, b);
-    for (int i = 0; i < 9; ++i)
-      v.m[i] = ofB * b.m[i] - s.inverse * v.m[i];
-    for (int i = 0; i < 3; ++i)
-      v(i, i) = v(i, i) + s.first * s.third * s.inverse;
-    return v;
-  }
+    return leftStretch(symmetricProductTransposed(F, F), stretchInvariants(F));
 }
 
 } // namespace lamella::mpm

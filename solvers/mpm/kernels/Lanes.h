@@ -299,6 +299,37 @@ private:
   }
 };
 
+/// Two of a number type, side by side: no operation on the one waits for any on the other.
+template <class R>
+struct Two
+{
+  R first;
+  R second;
+
+  Two() = default;
+  Two(double value)
+    : first(value)
+    , second(value)
+  {
+  }
+  Two(R a, R b)
+    : first(a)
+    , second(b)
+  {
+  }
+
+  friend Two operator+(Two a, Two b) { return { a.first + b.first, a.second + b.second }; }
+  friend Two operator-(Two a, Two b) { return { a.first - b.first, a.second - b.second }; }
+  friend Two operator*(Two a, Two b) { return { a.first * b.first, a.second * b.second }; }
+  friend Two operator/(Two a, Two b) { return { a.first / b.first, a.second / b.second }; }
+  friend Two operator-(Two a) { return { -a.first, -a.second }; }
+  friend Two abs(Two a) { return { abs(a.first), abs(a.second) }; }
+  friend Two log(Two a) { return { log(a.first), log(a.second) }; }
+  friend Two inverseSqrt(Two a) { return { inverseSqrt(a.first), inverseSqrt(a.second) }; }
+  friend Two roughInverse(Two a) { return { roughInverse(a.first), roughInverse(a.second) }; }
+  friend Two roughInverseSqrt(Two a) { return { roughInverseSqrt(a.first), roughInverseSqrt(a.second) }; }
+};
+
 /// A bit a lane of a comparison.
 template <int N, class T>
 inline unsigned bits(typename LaneTypes<N, T>::I mask)

@@ -104,6 +104,9 @@ public:
   static constexpr int own = N / Cells; ///< lanes of a cell
   /// Whether a cell's first points begin its moments: in a plane zeros cost less than as much code again.
   static constexpr bool fresh = Dim == 3;
+  /// Whether the stress is found of two chunks at once: its operations wait for each other, and those of the other
+  /// chunk fill the gaps. Short laws have none to fill.
+  static constexpr bool pairs = Dim == 3 && Whole && Law::kind != LawKind::NeoHookean;
   static_assert(Law::history == 0);
 
   explicit Sweep(PointSweep& sweep)
@@ -134,6 +137,17 @@ private:
   {
     std::int64_t point[Cells];
     int count[Cells];
+  };
+
+  /// Their state between the two halves of a step.
+  struct Moved
+  {
+    Chunk chunk;
+    R x[Dim];
+    R v[Dim];
+    Matrix<Dim, R> affine;
+    Matrix<Dim, R> F; ///< as it is stored
+    Vector<Dim, R> axis;
   };
 
   /// @param present how many of the cells there are; of the others nothing is given to the grid
@@ -170,23 +184,74 @@ private:
       for (auto& component : moments_)
         for (R& m : component)
           m = R(0.0);
-    for (std::int64_t done = 0; done < most; done += own)
-    {
-      fetchAhead(s_.cells[first].begin + done * Cells);
-      Chunk chunk;
-      for (int k = 0; k < Cells; ++k)
+    if constexpr (pairs)
+      for (std::int64_t done = 0; done < most; done += 2 * own)
+        pointsOfTwo(first, present, done, most);
+    else
+      for (std::int64_t done = 0; done < most; done += own)
       {
-        const std::int64_t begin = s_.cells[first + (k < present ? k : 0)].begin;
-        const std::int64_t left = k < present ? s_.cells[first + k + 1].begin - begin - done : 0;
-        chunk.count[k] = static_cast<int>(left < 0 ? 0 : left < own ? left : own);
-        chunk.point[k] = chunk.count[k] > 0 ? begin + done : begin; // somewhere there is memory
+        fetchAhead(s_.cells[first].begin + done * Cells);
+        Moved p;
+        begin(chunkAt(first, present, done), p);
+        if (fresh && done == 0)
+          end<fresh>(p, Law::kirchhoff(constants_, wholeOf(p.F), p.axis));
+        else
+          end<false>(p, Law::kirchhoff(constants_, wholeOf(p.F), p.axis));
       }
-      if (fresh && done == 0)
-        points<fresh>(chunk);
-      else
-        points<false>(chunk);
-    }
     giveCells(first, present);
+  }
+
+  Chunk chunkAt(std::int64_t first, int present, std::int64_t done) const
+  {
+    Chunk chunk;
+    for (int k = 0; k < Cells; ++k)
+    {
+      const std::int64_t begin = s_.cells[first + (k < present ? k : 0)].begin;
+      const std::int64_t left = k < present ? s_.cells[first + k + 1].begin - begin - done : 0;
+      chunk.count[k] = static_cast<int>(left < 0 ? 0 : left < own ? left : own);
+      chunk.point[k] = chunk.count[k] > 0 ? begin + done : begin; // somewhere there is memory
+    }
+    return chunk;
+  }
+
+  /// Two chunks, or the last one, the stress of both at once.
+  void pointsOfTwo(std::int64_t first, int present, std::int64_t done, std::int64_t most)
+  {
+    const int chunks = most - done > own ? 2 : 1;
+    Moved p[2];
+    Two<R> constants[Law::constants];
+#pragma GCC unroll 1
+    for (int i = 0; i < chunks; ++i)
+    {
+      fetchAhead(s_.cells[first].begin + (done + i * own) * Cells);
+      begin(chunkAt(first, present, done + i * own), p[i]);
+      for (int q = 0; q < Law::constants; ++q)
+        (i == 0 ? constants[q].first : constants[q].second) = constants_[q];
+    }
+    Matrix<Dim, R> tau[2];
+    if (chunks == 2)
+    {
+      Matrix<Dim, Two<R>> F;
+      Vector<Dim, Two<R>> axis;
+      for (int i = 0; i < Dim * Dim; ++i)
+        F.m[i] = { p[0].F.m[i], p[1].F.m[i] };
+      for (int a = 0; a < Dim; ++a)
+        axis[a] = { p[0].axis[a], p[1].axis[a] };
+      const Matrix<Dim, Two<R>> both = Law::kirchhoff(constants, wholeOf(F), axis);
+      for (int i = 0; i < Dim * Dim; ++i)
+      {
+        tau[0].m[i] = both.m[i].first;
+        tau[1].m[i] = both.m[i].second;
+      }
+    }
+    else
+      tau[0] = Law::kirchhoff(constants_, wholeOf(p[0].F), p[0].axis);
+#pragma GCC unroll 1
+    for (int i = 0; i < chunks; ++i)
+      if (fresh && done + i == 0)
+        end<fresh>(p[i], tau[i]);
+      else
+        end<false>(p[i], tau[i]);
   }
 
   const PointCell& cellOf(std::int64_t first, int k, int present) const
@@ -323,10 +388,11 @@ private:
         s_.columns + c * s_.pitch + chunk.point[k], chunk.count[k]);
   }
   /// F of what is stored of it.
-  static Matrix<Dim, R> wholeOf(Matrix<Dim, R> stored)
+  template <class Real>
+  static Matrix<Dim, Real> wholeOf(Matrix<Dim, Real> stored)
   {
     for (int a = 0; a < Dim && single; ++a)
-      stored(a, a) = stored(a, a) + R(1.0);
+      stored(a, a) = stored(a, a) + Real(1.0);
     return stored;
   }
   /// A bit for every lane that has a point.
@@ -338,38 +404,39 @@ private:
     return lanes;
   }
 
-  /// @tparam Fresh whether they are the first of their cells
-  template <bool Fresh>
-  [[gnu::always_inline]] void points(const Chunk& chunk)
+  /// Finds constants_ too.
+  [[gnu::always_inline]] void begin(const Chunk& chunk, Moved& p)
   {
     for (int q = 0; q < Law::constants && !s_.onePhase; ++q)
       for (int l = 0; l < N; ++l)
         constants_[q].v[l] =
           static_cast<T>(s_.constants[s_.phase[chunk.point[l / own] + l % own] * Law::constants + q]);
-    R x[Dim];
-    R v[Dim];
-    Matrix<Dim, R> affine;
-    Matrix<Dim, R> F;
-    Vector<Dim, R> axis;
+    p.chunk = chunk;
     for (int a = 0; a < Dim; ++a)
     {
-      x[a] = load(C::positions + a, chunk);
-      axis[a] = load(C::axes + a, chunk);
+      p.x[a] = load(C::positions + a, chunk);
+      p.axis[a] = load(C::axes + a, chunk);
     }
     for (int i = 0; i < Dim * Dim; ++i)
-      F.m[i] = load(C::deformations + i, chunk);
+      p.F.m[i] = load(C::deformations + i, chunk);
     if constexpr (Whole)
     {
-      take(chunk, x, v, affine, F);
+      take(chunk, p.x, p.v, p.affine, p.F);
     }
     else
     {
       for (int a = 0; a < Dim; ++a)
-        v[a] = s_.forcesOnly ? R(0.0) : loadDoubles(s_.columns + (Kept::velocities + a) * s_.pitch, chunk);
+        p.v[a] = s_.forcesOnly ? R(0.0) : loadDoubles(s_.columns + (Kept::velocities + a) * s_.pitch, chunk);
       for (int i = 0; i < Dim * Dim; ++i)
-        affine.m[i] = s_.forcesOnly ? R(0.0) : loadDoubles(s_.affines + i * s_.affinesPitch, chunk, s_.affinesFirst);
+        p.affine.m[i] = s_.forcesOnly ? R(0.0) : loadDoubles(s_.affines + i * s_.affinesPitch, chunk, s_.affinesFirst);
     }
-    give<Fresh>(chunk, x, v, affine, Law::kirchhoff(constants_, wholeOf(F), axis));
+  }
+
+  /// @tparam Fresh whether they are the first of their cells
+  template <bool Fresh>
+  [[gnu::always_inline]] void end(const Moved& p, const Matrix<Dim, R>& tau)
+  {
+    give<Fresh>(p.chunk, p.x, p.v, p.affine, tau);
   }
 
   /// Velocities from the grid; moves and strains the points.
