@@ -140,7 +140,7 @@ void BondLattice::classify(std::int64_t row, std::int64_t strip)
                                                                                 : code);
 }
 
-std::int64_t BondLattice::clear(const Bond& bond)
+std::int64_t BondLattice::put(const Bond& bond, int kind)
 {
   // all images of the first node that lie in this rank's rim or block
   std::int64_t owned = 0;
@@ -161,10 +161,14 @@ std::int64_t BondLattice::clear(const Bond& bond)
         if (!here)
           continue;
         const std::int64_t i = layout_.index(n[0], n[1], n[2]);
-        if (kind(i, bond.offset) == 0)
+        if (this->kind(i, bond.offset) == kind)
           continue;
+        const std::uint32_t bit = 1U << (bond.offset & 31);
         for (int p = 0; p < planes_; ++p)
-          bits_[(p * words_ + (bond.offset >> 5)) * layout_.count() + i] &= ~(1U << (bond.offset & 31));
+        {
+          std::uint32_t& word = bits_[(p * words_ + (bond.offset >> 5)) * layout_.count() + i];
+          word = (kind >> p & 1) != 0 ? word | bit : word & ~bit;
+        }
         classify(i / layout_.pitch, i % layout_.pitch / 16);
         owned += layout_.ownedNode(n) ? 1 : 0;
       }
@@ -173,7 +177,7 @@ std::int64_t BondLattice::clear(const Bond& bond)
 
 void BondLattice::breakKnown(const Bond& bond)
 {
-  clear(bond);
+  put(bond, 0);
   --bonds_;
 }
 
@@ -231,26 +235,39 @@ BondLattice BondLattice::whole(const Communicator& alone) const
   return all;
 }
 
+std::int64_t BondLattice::putAll(std::vector<std::int64_t> mine)
+{
+  // every rank hears of all: breaks are few, and their order does not matter
+  if (comm_->parallel())
+  {
+    const std::vector<std::int64_t> all = gather(*comm_, mine, 5);
+    mine.assign(all.begin(), all.end());
+  }
+  std::int64_t changed = 0;
+  for (std::size_t k = 0; k < mine.size(); k += 5)
+    changed +=
+      put({ { mine[k], mine[k + 1], mine[k + 2] }, static_cast<int>(mine[k + 3]) }, static_cast<int>(mine[k + 4]));
+  return comm_->parallel() ? comm_->sum(changed) : changed;
+}
+
 std::int64_t BondLattice::breakBonds(std::span<const Bond> bonds)
 {
-  std::int64_t broken = 0;
-  if (!comm_->parallel())
-    for (const Bond& b : bonds)
-      broken += clear(b);
-  else
-  {
-    // every rank hears of all: breaks are few, and their order does not matter
-    std::vector<std::int64_t> mine;
-    for (const Bond& b : bonds)
-      mine.insert(mine.end(), { b.node[0], b.node[1], b.node[2], b.offset });
-    for (const std::int64_t value : gather(*comm_, mine, 4))
-      mine.push_back(value);
-    for (std::size_t k = 4 * bonds.size(); k < mine.size(); k += 4)
-      broken += clear({ { mine[k], mine[k + 1], mine[k + 2] }, static_cast<int>(mine[k + 3]) });
-    broken = comm_->sum(broken);
-  }
+  std::vector<std::int64_t> mine;
+  for (const Bond& b : bonds)
+    mine.insert(mine.end(), { b.node[0], b.node[1], b.node[2], b.offset, 0 });
+  const std::int64_t broken = putAll(std::move(mine));
   bonds_ -= broken;
   return broken;
+}
+
+std::int64_t BondLattice::restoreBonds(std::span<const KnownBond> bonds)
+{
+  std::vector<std::int64_t> mine;
+  for (const KnownBond& b : bonds)
+    mine.insert(mine.end(), { b.bond.node[0], b.bond.node[1], b.bond.node[2], b.bond.offset, b.kind });
+  const std::int64_t restored = putAll(std::move(mine));
+  bonds_ += restored;
+  return restored;
 }
 
 } // namespace lamella::peridynamics

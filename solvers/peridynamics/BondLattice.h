@@ -34,6 +34,13 @@ struct Bond
   }
 };
 
+/// A bond that may be gone, and the kind of it while it was there.
+struct KnownBond
+{
+  Bond bond;
+  int kind = 0;
+};
+
 /// Runs of 16 nodes of a row, by what their bonds are.
 struct StripCounts
 {
@@ -128,6 +135,11 @@ public:
   /// @return how many there were, over all ranks; bonds that are no more or that two ranks name count once
   std::int64_t breakBonds(std::span<const Bond> bonds);
 
+  /// Puts bonds back, wherever this rank's rim shows them too. Collective: every rank gives those that it found.
+  /// @param bonds with their kinds, kinds()[1] or a later one
+  /// @return how many were not there, over all ranks; bonds that two ranks name count once
+  std::int64_t restoreBonds(std::span<const KnownBond> bonds);
+
   /// Takes out a bond that there is, and that every rank names in the same call: nothing is sent.
   void breakKnown(const Bond& bond);
 
@@ -157,7 +169,10 @@ private:
   BondLattice(const BondLattice&) = default; // whole() begins with one
 
   void classify(std::int64_t row, std::int64_t strip);
-  std::int64_t clear(const Bond& bond);
+  /// Makes a bond one of this kind (0: none) in all its images here. @return how many owned ones were of another
+  std::int64_t put(const Bond& bond, int kind);
+  /// Of all ranks' lists.
+  std::int64_t putAll(std::vector<std::int64_t> mine);
 
   Stencil stencil_;
   const Communicator* comm_;

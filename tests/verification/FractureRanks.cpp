@@ -34,6 +34,37 @@ TEST(FractureRanks, SameBonds)
   }
 }
 
+// Contact, too: strains agree to the tolerance, and so do the bonds that close.
+TEST(FractureRanks, ContactOfCracks)
+{
+  const Breakable s = walls(64);
+  FractureOptions o = by(FractureMethod::Accurate, 0.2);
+  o.contact = true;
+  o.tolerance = 1e-8;
+  o.maxBroken = 40;
+  Loading pressed;
+  pressed.strain = -1e-3;
+  const FractureRecord one = fracture(s, o, pressed);
+  const FractureRecord all = fracture(s, o, pressed, everyone());
+  EXPECT_GT(one.broken.size(), 30U);
+  expectSame(one, all, 1e-5);
+
+  // and where the load turns round
+  o.turningPoints = { 4e-3, -1e-2, 5e-3, 0 };
+  const FractureRecord there = fracture(s, o);
+  const FractureRecord here = fracture(s, o, {}, everyone());
+  EXPECT_GT(there.broken.size(), 10U);
+  ASSERT_EQ(there.broken.size(), here.broken.size());
+  for (std::size_t i = 0; i < there.broken.size(); ++i)
+    EXPECT_EQ(there.broken[i].bond, here.broken[i].bond);
+  ASSERT_EQ(there.branches.size(), here.branches.size());
+  for (std::size_t k = 0; k < there.branches.size(); ++k)
+  {
+    EXPECT_EQ(there.branches[k].broken, here.branches[k].broken);
+    EXPECT_NEAR(there.branches[k].work, here.branches[k].work, 1e-5 * there.peak.stress * 5e-3);
+  }
+}
+
 // One that asks for it is enough; none waits for the others.
 TEST(FractureRanks, OneStopsTheFirstEquilibriumOfAll)
 {

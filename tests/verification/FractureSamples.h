@@ -56,18 +56,18 @@ inline FractureOptions by(FractureMethod method, double stop = 0.05)
   return o;
 }
 
-/// Cuts the bonds that cross a plane between the two middle layers of an axis where `inside` says so, by the other
-/// coordinates in order; of whole lattices on one rank.
+/// The bonds that cross a plane between the two middle layers of an axis (or the one `above` layers above that) where
+/// `inside` says so, by the other coordinates in order; of whole lattices on one rank.
 template <class Inside>
-void cut(BondLattice& bonds, std::size_t normal, Inside&& inside)
+std::vector<KnownBond> crossing(const BondLattice& bonds, std::size_t normal, Inside&& inside, double above = 0)
 {
   const NodeLayout& l = bonds.layout();
-  const double plane = 0.5 * static_cast<double>(l.size[normal]) - 0.5;
-  std::vector<Bond> crossing;
+  const double plane = 0.5 * static_cast<double>(l.size[normal]) - 0.5 + above;
+  std::vector<KnownBond> found;
   for (std::int64_t z = 0; z < l.size[2]; ++z)
     for (std::int64_t y = 0; y < l.size[1]; ++y)
       bonds.forEachBond(y, z,
-        [&](std::int64_t i, std::int64_t, int o, int)
+        [&](std::int64_t i, std::int64_t, int o, int kind)
         {
           const auto n = l.node(i);
           const auto& step = bonds.stencil().half()[static_cast<std::size_t>(o)].step;
@@ -79,9 +79,24 @@ void cut(BondLattice& bonds, std::size_t normal, Inside&& inside)
             if (a != normal)
               at[k++] = static_cast<double>(n[a]) + share * step[a];
           if (inside(at[0], at[1]))
-            crossing.push_back(bonds.bond(i, o));
+            found.push_back({ bonds.bond(i, o), kind });
         });
-  bonds.breakBonds(crossing);
+  return found;
+}
+
+inline std::vector<Bond> bondsOf(const std::vector<KnownBond>& known)
+{
+  std::vector<Bond> bonds;
+  for (const KnownBond& b : known)
+    bonds.push_back(b.bond);
+  return bonds;
+}
+
+/// Cuts them.
+template <class Inside>
+void cut(BondLattice& bonds, std::size_t normal, Inside&& inside)
+{
+  bonds.breakBonds(bondsOf(crossing(bonds, normal, inside)));
 }
 
 /// Share of the bonds of a that b broke too.

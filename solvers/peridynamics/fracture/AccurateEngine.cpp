@@ -7,35 +7,49 @@
 #include "peridynamics/RimExchange.h"
 #include "peridynamics/fracture/LoosePieces.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 namespace lamella::peridynamics
 {
-AccurateEngine::AccurateEngine(BondLattice& bonds, LoadedSample& sample, const PlatenForce& platens, double unitStrain,
-  double tolerance, std::function<bool(double)> progress)
+AccurateEngine::AccurateEngine(BondLattice& bonds, LoadedSample& sample, const PlatenForce& platens,
+  CrackContact* contact, double unitStrain, double tolerance, std::function<bool(double)> progress)
   : bonds_(bonds)
   , sample_(sample)
   , platens_(platens)
+  , contact_(contact)
   , unitStrain_(unitStrain)
   , tolerance_(tolerance)
   , graph_(bonds)
   , u_(sample.displacement)
 {
-  prepare();
-  equilibrium_->setProgress(std::move(progress));
-  equilibrium_->setDoubt([this](const NodeField<double>& u, const NodeField<double>& force)
-    { return sample_.pores ? workOfResidual(bonds_, sample_, u, force) : platens_.imbalance(bonds_, force); });
+  if (contact_ != nullptr)
+  {
+    contact_->follow(u_);
+    measure();
+    evenForce_ = force_;
+  }
+  first_.progress = std::move(progress);
+  first_.doubt = [this](const NodeField<double>& u, const NodeField<double>& force)
+  { return sample_.pores ? workOfResidual(bonds_, sample_, u, force) : platens_.imbalance(bonds_, force); };
   solve();
-  equilibrium_->setProgress({}); // of those that follow, the events are
-  equilibrium_->setDoubt({});
+  first_ = {}; // the progress of those that follow is the events'
+  if (equilibrium_)
+  {
+    equilibrium_->setProgress({});
+    equilibrium_->setDoubt({});
+  }
 }
 
-AccurateEngine::AccurateEngine(BondLattice& bonds, LoadedSample& sample, const PlatenForce& platens, double unitStrain,
-  double tolerance, const EngineState& resumed)
+AccurateEngine::AccurateEngine(BondLattice& bonds, LoadedSample& sample, const PlatenForce& platens,
+  CrackContact* contact, double unitStrain, double tolerance, const EngineState& resumed)
   : bonds_(bonds)
   , sample_(sample)
   , platens_(platens)
+  , contact_(contact)
   , unitStrain_(unitStrain)
   , tolerance_(tolerance)
   , graph_(bonds)
@@ -45,6 +59,11 @@ AccurateEngine::AccurateEngine(BondLattice& bonds, LoadedSample& sample, const P
   force_ = resumed.numbers.at("force");
   if (sample.pores)
     scale_ = resumed.numbers.at("scale");
+  if (contact != nullptr)
+  {
+    largestForce_ = resumed.numbers.at("largest force");
+    evenForce_ = resumed.numbers.at("even force");
+  }
   statistics_ = resumed.statistics;
   loose_ = statistics_.looseNodes;
 }
@@ -56,12 +75,17 @@ EngineState AccurateEngine::state() const
   EngineState state{ u_, { { "force", force_ } }, statistics_ };
   if (sample_.pores)
     state.numbers["scale"] = scale_;
+  if (contact_ != nullptr)
+  {
+    state.numbers["largest force"] = largestForce_;
+    state.numbers["even force"] = evenForce_;
+  }
   return state;
 }
 
 void AccurateEngine::prepare()
 {
-  EquilibriumOptions o;
+  EquilibriumOptions o = first_;
   o.tolerance = tolerance_;
   equilibrium_ = std::make_unique<Equilibrium>(bonds_, sample_.fixed, o);
   fresh_ = true;
@@ -71,13 +95,12 @@ void AccurateEngine::prepare()
 void AccurateEngine::solve()
 {
   const double start = seconds();
-  if (!equilibrium_)
-    prepare();
-  const bool fresh = fresh_;
-  EquilibriumResult r;
   try
   {
-    r = equilibrium_->solve(u_, sample_.load ? &*sample_.load : nullptr);
+    if (contact_ != nullptr)
+      solveContact();
+    else
+      solveOnce();
   }
   catch (const DivergenceError&)
   {
@@ -89,6 +112,24 @@ void AccurateEngine::solve()
     statistics_.globalSeconds += seconds() - start;
     return;
   }
+  measure();
+  if (contact_ != nullptr)
+  {
+    // Pieces that only touch bear what the residual leaves, which counts over the force under even strain.
+    constexpr double surely = 1e-3; // of the largest force: what bears as much need not be searched
+    holds_ = force_ > tolerance_ * evenForce_ && ((largestForce_ > 0 && force_ > surely * largestForce_) || reaches());
+    largestForce_ = std::max(largestForce_, force_);
+  }
+  statistics_.globalSeconds += seconds() - start;
+}
+
+void AccurateEngine::solveOnce()
+{
+  if (!equilibrium_)
+    prepare();
+  const bool fresh = fresh_;
+  const EquilibriumResult r = equilibrium_->solve(u_, sample_.load ? &*sample_.load : nullptr);
+  statistics_.bytes = r.bytes + (contact_ != nullptr ? contact_->bytes() : 0);
   if (fresh)
     usual_ = r.iterations;
   else if (r.iterations > usual_ + 5)
@@ -96,9 +137,47 @@ void AccurateEngine::solve()
   fresh_ = false;
   ++statistics_.equilibria;
   statistics_.globalIterations += r.iterations;
-  statistics_.bytes = r.bytes;
-  measure();
-  statistics_.globalSeconds += seconds() - start;
+}
+
+void AccurateEngine::solveContact()
+{
+  constexpr int most = 200;
+  constexpr int mostSlow = 10;
+  int slow = 0;
+  for (int step = 0; step < most; ++step)
+  {
+    const NodeField<double> from = u_;
+    std::optional<DivergenceError> hindered;
+    try
+    {
+      solveOnce();
+    }
+    catch (const DivergenceError& e)
+    {
+      // What conjugate gradients came to is a way down, too, and where bonds close there more may be held.
+      if (++slow > mostSlow)
+        throw;
+      hindered = e;
+      equilibrium_.reset();
+    }
+    if (!hindered && contact_->violation(u_) <= tolerance_ * unitStrain_) // strains are not known any better
+      return;
+    const double gain = contact_->lower(from, u_);
+    if (contact_->follow(u_) == 0 && hindered)
+      throw *hindered;
+    // so bonds that bear nothing do not go on to open and close in turn
+    if (gain <= tolerance_ * tolerance_ * 2 * elasticEnergy(bonds_, u_, false))
+      return;
+  }
+  throw DivergenceError(fmt::format("which broken bonds are pressed still changes after {} equilibria", most),
+    "a tighter tolerance; or leave contact out");
+}
+
+bool AccurateEngine::reaches() const
+{
+  const AlignedArray<std::uint8_t> marks = platens_.marks(bonds_, sample_);
+  return std::ranges::any_of(
+    findFragments(bonds_, &marks).pieces, [](const Fragment& f) { return (f.fixed & 3U) == 3; });
 }
 
 void AccurateEngine::measure()
@@ -130,6 +209,8 @@ StretchMaximum AccurateEngine::mostCritical()
   const double start = seconds();
   StretchMaximum most = largestStretch(bonds_, u_, false);
   most.ratio *= scale_;
+  if (contact_ != nullptr && most.bond && contact_->watched(*most.bond))
+    most = {}; // all that is whole is stretched less than a closed bond, which is known to be pressed
   statistics_.searchSeconds += seconds() - start;
   return most;
 }
@@ -182,14 +263,29 @@ bool AccurateEngine::joined(std::span<const Bond> bonds) const
 
 void AccurateEngine::breakBonds(std::span<const Bond> bonds)
 {
+  if (contact_ != nullptr)
+    contact_->watch(bonds);
   // every rank names all of them, and they count once
   bonds_.breakBonds(bonds_.communicator().rank() == 0 ? bonds : std::span<const Bond>());
   const double start = seconds();
-  if (!joined(bonds))
+  if (contact_ == nullptr && !joined(bonds)) // what is loose may be held by what is pressed to it
     takeOutLoosePieces();
   statistics_.searchSeconds += seconds() - start;
   if (holds_)
     solve();
+}
+
+// What is whole is where it was, mirrored; of what was pressed and is pulled now another part bears.
+void AccurateEngine::turn()
+{
+  for (NodeField<double>* const field : { &sample_.displacement, &u_ })
+    for (int c = 0; c < field->components(); ++c)
+      for (std::int64_t i = 0; i < field->layout().count(); ++i)
+        field->component(c)[i] = -field->component(c)[i];
+  platens_.turn();
+  if (contact_ != nullptr && contact_->follow(u_) > 0)
+    equilibrium_.reset();
+  solve();
 }
 
 void AccurateEngine::takeOutLoosePieces()

@@ -110,7 +110,7 @@ void BondDynamics::restore()
   else if (rank == 0)
     for (std::size_t k = 0; k + 1 < sums.size(); k += 2)
       sums_ = { sums_.supplied + sums[k], sums_.damped + sums[k + 1] };
-  const std::vector<Bond> list = bondsIn(c, bonds_);
+  const std::vector<Bond> list = bondsIn(c, "broken", bonds_);
   const auto& step = c.integers("broken_step");
   const auto& time = c.reals("broken_time");
   const auto& energy = c.reals("broken_energy");

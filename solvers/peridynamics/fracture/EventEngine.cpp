@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <stdexcept>
 
 namespace lamella::peridynamics
 {
@@ -149,6 +150,11 @@ double EventEngine::toleranceOf(Nearness nearness) const noexcept
       break;
   }
   return options_.globalTolerance;
+}
+
+void EventEngine::turn()
+{
+  throw std::logic_error("events know of a load that only rises"); // QuasiStaticFracture has refused it
 }
 
 bool EventEngine::settle(Nearness nearness)

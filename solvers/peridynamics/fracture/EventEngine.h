@@ -29,6 +29,7 @@ public:
   StretchMaximum mostCritical() override;
   std::vector<Bond> critical(double ratio) override;
   void breakBonds(std::span<const Bond> bonds) override;
+  void turn() override; ///< @throws std::logic_error
   bool settle(Nearness nearness) override;
   NodeField<double> displacement() override;
   void renew() override;

@@ -34,6 +34,33 @@ constexpr double balanced = 5e-3;
 /// Of the largest stress so far: estimates of a stress before a correction err by less.
 constexpr double softening = 0.95;
 
+void checkTurningPoints(const Loading& loading, const FractureOptions& o)
+{
+  if (o.turningPoints.empty())
+    return;
+  if (o.method == FractureMethod::Events)
+    throw ParameterError("a load that turns round with local corrections", "use the accurate method");
+  if (loading.load == LoadCase::Pressure)
+    throw ParameterError("a pressure in pores that turns round", "load by platens");
+  if (o.strainStep != 0)
+    throw ParameterError(
+      fmt::format("a load that turns round is raised in steps of {:g}", o.strainStep), "leave the steps out");
+  if (std::isfinite(o.maxStrain))
+    throw ParameterError(fmt::format("turning points and a largest strain of {:g}", o.maxStrain),
+      "leave the latter out: the last turning point is the end");
+  double before = 0;
+  for (const double strain : o.turningPoints)
+  {
+    if (!(std::abs(strain) <= 1))
+      throw ParameterError(
+        fmt::format("the load cannot turn round at a strain of {:g}", strain), "give numbers between -1 and 1");
+    if (strain == before)
+      throw ParameterError(fmt::format("the load turns round at a strain of {:g}, where it is already", strain),
+        "give turning points that differ from the one before, the first from 0");
+    before = strain;
+  }
+}
+
 void check(const BondLattice& bonds, const Loading& loading, const FractureOptions& o)
 {
   if (loading.load == LoadCase::Traction)
@@ -41,6 +68,11 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
       "load by a strain; the record's critical strains and stresses follow every snap-back");
   if (loading.load == LoadCase::Pressure && o.method == FractureMethod::Events)
     throw ParameterError("fracture under a pressure with local corrections", "use the accurate method");
+  if (o.contact && o.method == FractureMethod::Events)
+    throw ParameterError("contact of cracks with local corrections", "use the accurate method");
+  if (o.contact && loading.load == LoadCase::Pressure)
+    throw ParameterError("contact of cracks under a pressure in pores", "load by platens, or leave contact out");
+  checkTurningPoints(loading, o);
   if (!(loading.strain != 0) || !std::isfinite(loading.strain))
     throw ParameterError(fmt::format("the strain {} gives the load no direction", loading.strain),
       "give any strain but 0, such as 1e-3: it is scaled to the breaks");
@@ -178,6 +210,8 @@ std::string describe(FractureEnd end)
       return "the walls of pores have parted: nothing bears a pressure any more";
     case FractureEnd::NothingBreaks:
       return "no bond that can break is stretched";
+    case FractureEnd::LastTurn:
+      return "the last turning point of the load was reached";
     case FractureEnd::MaxStrain:
       return "the largest strain was reached";
     case FractureEnd::MaxBroken:
@@ -196,7 +230,11 @@ QuasiStaticFracture::QuasiStaticFracture(
   check(bonds, loading, options_);
   const double start = seconds();
   reference_ = std::abs(loading.strain);
+  if (options_.contact) // what cracks cut off is held by contact
+    bonds.restoreBonds(bonds.communicator().rank() == 0 ? options_.cracks : std::vector<KnownBond>());
   sample_ = applyLoading(bonds, loading, phase);
+  if (options_.contact)
+    openCracks();
   const PlatenForce platens(bonds, loading, sample_);
   area_ = sample_.pores ? 1 : platens.area();
   const NodeLayout& l = bonds.layout();
@@ -210,10 +248,21 @@ QuasiStaticFracture::QuasiStaticFracture(
   if (!options_.continueFrom.empty())
   {
     const EngineState resumed = restore(platens);
-    makeEngine(accurate, platens, &resumed);
+    PlatenForce turned = platens;
+    if (direction_ < 0)
+    {
+      turned.turn();
+      for (int c = 0; c < l.dimension; ++c)
+        for (std::int64_t i = 0; i < l.count(); ++i)
+          sample_.displacement.component(c)[i] = -sample_.displacement.component(c)[i];
+    }
+    makeEngine(accurate, turned, &resumed);
     return;
   }
   makeEngine(accurate, platens, nullptr);
+  if (!engine_->holds())
+    throw NoPathError("cracks part the sample, and the load pulls its pieces asunder",
+      "load it in compression, or with shorter notches");
   if (sample_.pores)
     requireBalance(bonds_, sample_, engine_->state().displacement, options_.tolerance, record_);
   else
@@ -224,6 +273,15 @@ QuasiStaticFracture::QuasiStaticFracture(
 }
 
 QuasiStaticFracture::~QuasiStaticFracture() = default;
+
+void QuasiStaticFracture::openCracks()
+{
+  contact_.emplace(bonds_).watch(options_.cracks);
+  std::vector<Bond> cracks;
+  for (const KnownBond& b : options_.cracks)
+    cracks.push_back(b.bond);
+  bonds_.breakBonds(bonds_.communicator().rank() == 0 ? cracks : std::vector<Bond>());
+}
 
 QuasiStaticFracture::Whole::Whole(const BondLattice& parts, const Loading& loading)
   : alone(MPI_COMM_SELF)
@@ -240,10 +298,12 @@ void QuasiStaticFracture::makeEngine(bool accurate, const PlatenForce& platens, 
     progress = [this](double share) { return options_.progress({ .equilibrium = share }); };
   if (accurate)
   {
+    CrackContact* const contact = contact_ ? &*contact_ : nullptr;
     if (resumed != nullptr)
-      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, reference_, tolerance, *resumed);
+      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, contact, reference_, tolerance, *resumed);
     else
-      engine_ = std::make_unique<AccurateEngine>(bonds_, sample_, platens, reference_, tolerance, std::move(progress));
+      engine_ =
+        std::make_unique<AccurateEngine>(bonds_, sample_, platens, contact, reference_, tolerance, std::move(progress));
     return;
   }
   BondLattice* const parts = whole_ ? &bonds_ : nullptr;
@@ -264,12 +324,12 @@ void QuasiStaticFracture::setLimits(double maxStrain, std::int64_t maxBroken)
 
 double QuasiStaticFracture::strain() const noexcept
 {
-  return load_ * reference_;
+  return direction_ * load_ * reference_ + 0.0; // not -0
 }
 
 double QuasiStaticFracture::stress(double load) const
 {
-  return engine_->holds() ? load * engine_->force() / area_ : 0;
+  return engine_->holds() ? direction_ * load * engine_->force() / area_ + 0.0 : 0;
 }
 
 NodeField<double> QuasiStaticFracture::displacement()
@@ -324,7 +384,8 @@ void QuasiStaticFracture::breakCritical(const StretchMaximum& most)
     bonds.push_back(*most.bond);
   const std::int64_t event = ++record_.statistics.events;
   for (const Bond& b : bonds)
-    record_.broken.push_back({ b, event, strain(), std::min(1 / most.ratio, load_) * reference_, stress(load_) });
+    record_.broken.push_back(
+      { b, event, strain(), direction_ * std::min(1 / most.ratio, load_) * reference_, stress(load_) });
   engine_->breakBonds(bonds);
   if (options_.renewEvery == 0 || event % options_.renewEvery != 0 || !engine_->holds())
     return;
@@ -342,7 +403,9 @@ bool QuasiStaticFracture::fell(double stress) const
 bool QuasiStaticFracture::report()
 {
   const double now = stress(load_);
-  if (record_.peak.stress > 0)
+  if (const std::size_t turns = options_.turningPoints.size(); turns > 0)
+    share_ = static_cast<double>(turns_) / static_cast<double>(turns);
+  else if (record_.peak.stress > 0)
     share_ = std::max(share_, std::clamp((1 - now / record_.peak.stress) / (1 - options_.stopShare), 0.0, 1.0));
   return options_.progress &&
     bonds_.communicator().any(options_.progress(
@@ -385,7 +448,7 @@ FractureEnd QuasiStaticFracture::run()
   started_ = seconds();
   FractureEnd end = FractureEnd::Running;
   while (end == FractureEnd::Running)
-    end = step();
+    end = options_.turningPoints.empty() ? step() : stepOnBranch();
   if (end != FractureEnd::Interrupted && !record_.curve.empty() &&
     record_.curve.back().broken != static_cast<std::int64_t>(record_.broken.size()))
     record_.curve.push_back({ strain(), stress(load_), static_cast<std::int64_t>(record_.broken.size()) });

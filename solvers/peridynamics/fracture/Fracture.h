@@ -3,12 +3,14 @@
 #include "peridynamics/BondForces.h"
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/Loading.h"
+#include "peridynamics/fracture/CrackContact.h"
 #include "peridynamics/fracture/FractureCheckpoint.h"
 
 #include <cstdint>
 #include <functional>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -82,6 +84,16 @@ struct FractureOptions
   /// which batches are larger and fewer); 0: to where the next bond just is.
   double strainStep = 0;
   std::int64_t maxBroken = std::numeric_limits<std::int64_t>::max(); ///< ends after so many broken bonds
+  /// Cracks close: a bond that broke carries compression as before where its ends are nearer than at first
+  /// (CrackContact). Pieces that come loose stay, for others may press on them. Accurate only; not under a pressure.
+  bool contact = false;
+  /// With contact: bonds that are broken from the beginning, as those that a notch cut. Of the whole lattice, on every
+  /// rank.
+  std::vector<KnownBond> cracks{};
+  /// Strains at which the load turns round, positive along it: from 0 to the first, on to the next and so on, over 0 to
+  /// the other side where signs differ, until the last is reached. Empty: the strain rises only. stopShare is of no
+  /// account then. Accurate only; not under a pressure, with neither strainStep nor maxStrain.
+  std::vector<double> turningPoints{};
   double tolerance = 1e-6; ///< of an equilibrium, as EquilibriumOptions::tolerance; at most 1e-3
   EventOptions events{};
   /// Events after which all that is only there to save work is made anew, whether a checkpoint is written or not: so
@@ -102,7 +114,7 @@ struct BrokenBond
 {
   Bond bond;
   std::int64_t event = 0; ///< from 1; bonds of a batch share it
-  double strain = 0;      ///< imposed when it broke
+  double strain = 0;      ///< imposed when it broke; negative against the loading, as are the others
   /// At which it was just critical: the strain itself when the load had been raised to it, less in an avalanche. Taken
   /// as the load, this is the path that follows every snap-back; in strict breaking the bonds and their order are the
   /// same under either control.
@@ -118,6 +130,19 @@ struct CurvePoint
   std::int64_t broken = 0; ///< bonds so far
 };
 
+/// From one turning point of the load to the next, or from 0 to the first. Work and energies are those of a volume of
+/// the box between the platens [J/m³].
+struct LoadBranch
+{
+  double from = 0; ///< strain
+  double to = 0;
+  double stress = 0;   ///< at its end [Pa]
+  double modulus = 0;  ///< stress over strain there [Pa]: the slope of what is left on that side; NaN at a strain of 0
+  double work = 0;     ///< ∫ σ dε: negative where the sample gives more back than it takes
+  double released = 0; ///< of it: what the sample neither held before nor holds at the end; went with the breaks
+  std::int64_t broken = 0; ///< bonds on the way
+};
+
 enum class FractureEnd
 {
   Running,    ///< run() has not been called
@@ -128,7 +153,8 @@ enum class FractureEnd
   MaxStrain,
   MaxBroken,
   Interrupted, ///< by FractureOptions::progress; run() goes on
-  PoresOpen    ///< LoadCase::Pressure: walls have parted, and no pressure is in balance any more
+  PoresOpen,   ///< LoadCase::Pressure: walls have parted, and no pressure is in balance any more
+  LastTurn     ///< the last of FractureOptions::turningPoints was reached
 };
 [[nodiscard]] std::string describe(FractureEnd end);
 
@@ -158,10 +184,14 @@ struct FractureRecord
 {
   FractureEnd end = FractureEnd::Running;
   std::vector<BrokenBond> broken; ///< in the order in which they broke
-  std::vector<CurvePoint> curve;  ///< strain control: the strain never falls
-  CurvePoint peak;                ///< the largest stress
-  CurvePoint first;               ///< when the first bond broke
-  double modulus = 0;             ///< stress over strain of the unbroken sample [Pa]
+  /// Strain control: the strain never falls, but with turning points, where the curve has the passages of 0, too; from
+  /// point to point it is straight.
+  std::vector<CurvePoint> curve;
+  std::vector<LoadBranch> branches; ///< that are done, with turning points
+  CurvePoint peak;                  ///< the largest stress
+  CurvePoint trough;                ///< the largest against the loading: negative, or 0
+  CurvePoint first;                 ///< when the first bond broke
+  double modulus = 0;               ///< stress over strain of the unbroken sample [Pa]
   /// Largest difference of the force through a section to that on the platens, over the latter, at the first
   /// equilibrium: the modulus and the first break may be off by as much. 0 in a run that goes on.
   double imbalance = 0;
@@ -197,8 +227,11 @@ public:
   /// critical bond is the same where the pressure is held instead, and so is the peak
   /// @param phase as applyLoading()
   /// @throws ParameterError: options outside their range, a traction (the load cannot be held after the peak), no
-  /// strain; with FractureMethod::Events periodic sides, batches, a pressure, ranks with different instruction sets
-  /// @throws NoPathError: a sample already in two pieces; as applyLoading() and Equilibrium otherwise
+  /// strain; with FractureMethod::Events periodic sides, batches, a pressure, contact, ranks with different instruction
+  /// sets; contact or turning points under a pressure; turning points with FractureMethod::Events or limits that do not
+  /// go with them
+  /// @throws NoPathError: a sample already in two pieces, that contact does not hold either; as applyLoading() and
+  /// Equilibrium otherwise
   /// @throws InputError: a first equilibrium in which sections bear another force than the platens, by more than 0.5 %:
   /// only hinges reach through, or the tolerance is too loose for the sample
   /// @throws InputError: a checkpoint of another scene, cut off, damaged or newer; a place where none can be written
@@ -234,9 +267,18 @@ private:
   void breakCritical(const StretchMaximum& most);
   bool report();
   FractureEnd step();
+  // With turning points: FractureCycles.cpp
+  FractureEnd stepOnBranch();
+  void moveTo(double load);
+  void turnBack();
+  /// Where cracks close: they are open from now on, but for what the load presses.
+  void openCracks();
   /// @return the state to go on from
   EngineState restore(const PlatenForce& platens);
   void save();
+  void saveBranches(io::Checkpoint& checkpoint) const;
+  /// @throws InputError where turning points that it has passed are others
+  void restoreBranches(const io::Checkpoint& checkpoint);
   [[nodiscard]] FractureStatistics statistics() const;
 
   /// The whole sample, as every rank has it for events on several.
@@ -257,9 +299,13 @@ private:
   FractureOptions options_;
   LoadedSample sample_;
   std::unique_ptr<Whole> whole_; ///< null where the engine works on the parts
-  double reference_ = 0;         ///< strain of the unit load
-  double area_ = 1;              ///< [m²], [m] in the plane
-  double load_ = 0;              ///< imposed strain over the reference
+  std::optional<CrackContact> contact_;
+  double reference_ = 0;  ///< strain of the unit load
+  double area_ = 1;       ///< [m²], [m] in the plane
+  double load_ = 0;       ///< imposed strain over the reference
+  double direction_ = 1;  ///< of the load now; -1: against the loading
+  std::size_t turns_ = 0; ///< turning points that were reached
+  LoadBranch branch_{};   ///< so far
   double share_ = 0;
   double firstRatio_ = 0; ///< s/s₀ at unit load of the bond that broke first
   std::unique_ptr<FractureEngine> engine_;

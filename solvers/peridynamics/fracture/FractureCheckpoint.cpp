@@ -113,9 +113,9 @@ io::CheckpointArray arrayOf(const std::vector<Bond>& bonds)
     "broken bonds in order: x, y, z of the first node, place in the half stencil" };
 }
 
-std::vector<Bond> bondsIn(const io::Checkpoint& checkpoint, const BondLattice& bonds)
+std::vector<Bond> bondsIn(const io::Checkpoint& checkpoint, const std::string& name, const BondLattice& bonds)
 {
-  const std::vector<std::int64_t>& values = checkpoint.integers("broken");
+  const std::vector<std::int64_t>& values = checkpoint.integers(name);
   const auto& global = bonds.layout().global;
   std::vector<Bond> broken;
   for (std::size_t k = 0; k + 3 < values.size(); k += 4)

@@ -32,6 +32,9 @@ using io::CheckpointOptions;
 
 /// x, y, z of the first nodes, then places in Stencil::half(): shape (n, 4).
 [[nodiscard]] io::CheckpointArray arrayOf(const std::vector<Bond>& bonds);
-[[nodiscard]] std::vector<Bond> bondsIn(const io::Checkpoint& checkpoint, const BondLattice& bonds);
+/// @param name of such an array
+/// @throws InputError where they are of another lattice
+[[nodiscard]] std::vector<Bond> bondsIn(
+  const io::Checkpoint& checkpoint, const std::string& name, const BondLattice& bonds);
 
 } // namespace lamella::peridynamics

@@ -1,7 +1,7 @@
 // What a record of broken bonds says of the whole run.
 #include "peridynamics/fracture/FractureStudy.h"
 
-#include <algorithm>
+#include <cmath>
 #include <limits>
 
 namespace lamella::peridynamics
@@ -14,8 +14,13 @@ std::vector<FractureCurvePoint> fractureCurve(const FractureRecord& record)
   const auto statesUpTo = [&](std::int64_t broken, double before)
   {
     for (; state != record.curve.end() && state->broken <= broken; ++state)
-      if (state->strain < before) // that to which the load was raised is the event's own
+    {
+      const bool last = state + 1 == record.curve.end() || (state + 1)->broken > broken;
+      if (last && state->broken == broken && state->strain == before)
+        continue;                                              // that to which the load was raised is the event's own
+      if (state != record.curve.begin() || state->strain != 0) // the unloaded sample is there
         points.push_back({ state->strain, state->stress, state->broken, state->strain, state->stress });
+    }
   };
   for (std::size_t i = 0; i < record.broken.size();)
   {
@@ -24,12 +29,13 @@ std::vector<FractureCurvePoint> fractureCurve(const FractureRecord& record)
     std::size_t end = i;
     double critical = first.criticalStrain;
     for (; end < record.broken.size() && record.broken[end].event == first.event; ++end)
-      critical = std::min(critical, record.broken[end].criticalStrain);
+      if (std::abs(record.broken[end].criticalStrain) < std::abs(critical))
+        critical = record.broken[end].criticalStrain;
     points.push_back(
       { first.strain, first.stress, static_cast<std::int64_t>(i), critical, first.stress * critical / first.strain });
     i = end;
   }
-  statesUpTo(static_cast<std::int64_t>(record.broken.size()), std::numeric_limits<double>::infinity());
+  statesUpTo(static_cast<std::int64_t>(record.broken.size()), std::numeric_limits<double>::quiet_NaN());
   return points;
 }
 

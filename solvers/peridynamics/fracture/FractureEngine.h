@@ -39,6 +39,8 @@ public:
   virtual std::vector<Bond> critical(double ratio) = 0;
   /// Takes bonds out, and pieces that come loose with them; then equilibrium, as near as the method goes by itself.
   virtual void breakBonds(std::span<const Bond> bonds) = 0;
+  /// The same load the other way round: equilibrium under it. AccurateEngine only.
+  virtual void turn() = 0;
   /// @return whether anything was left to do
   virtual bool settle(Nearness nearness) = 0;
   /// To a tolerance, then displacements at unit load.

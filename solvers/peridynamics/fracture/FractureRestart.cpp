@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
 #include <utility>
 
 namespace lamella::peridynamics
@@ -54,6 +55,26 @@ io::CheckpointArray listOf(const List& list, const char* unit, const char* descr
   return { { static_cast<std::int64_t>(list.size()) }, std::move(values), unit, description };
 }
 
+/// Calls f(name, unit, description, of) for what branches have; of(branch) is a reference to it.
+template <class F>
+void eachColumn(F&& f)
+{
+  f(
+    "branch_from", "", "strain at its beginning", [](auto& b) -> auto& { return b.from; });
+  f(
+    "branch_to", "", "strain at its end; the last is not done", [](auto& b) -> auto& { return b.to; });
+  f(
+    "branch_stress", "Pa", "at its end", [](auto& b) -> auto& { return b.stress; });
+  f(
+    "branch_modulus", "Pa", "at its end", [](auto& b) -> auto& { return b.modulus; });
+  f(
+    "branch_work", "J/m^3", "of the platens", [](auto& b) -> auto& { return b.work; });
+  f(
+    "branch_released", "J/m^3", "went with the breaks", [](auto& b) -> auto& { return b.released; });
+  f(
+    "branch_broken", "", "bonds on the way", [](auto& b) -> auto& { return b.broken; });
+}
+
 } // namespace
 
 std::string sceneOf(const Loading& l, const FractureOptions& o)
@@ -73,6 +94,10 @@ std::string sceneOf(const Loading& l, const FractureOptions& o)
   line("strain step", o.strainStep);
   line("tolerance", o.tolerance);
   line("events between renewals", o.renewEvery);
+  if (!o.turningPoints.empty())
+    line("load in time", "turns round");
+  if (o.contact)
+    line("contact of cracks, of which there were first", o.cracks.size());
   if (o.method != FractureMethod::Events)
     return text;
   const EventOptions& e = o.events;
@@ -107,6 +132,55 @@ std::string sceneOf(const BondLattice& bonds, const LoadedSample& sample)
   return fmt::format("sides: {}\nforces of the pressure: {}\n", sample.held ? "straight" : "free", hash);
 }
 
+void QuasiStaticFracture::saveBranches(io::Checkpoint& c) const
+{
+  c.numbers["direction"] = direction_;
+  c.numbers["trough strain"] = record_.trough.strain;
+  c.numbers["trough stress"] = record_.trough.stress;
+  c.numbers["trough broken"] = static_cast<double>(record_.trough.broken);
+  std::vector<LoadBranch> all = record_.branches;
+  all.push_back(branch_);
+  eachColumn(
+    [&](const char* name, const char* unit, const char* description, auto&& of)
+    {
+      const auto value = [&](const LoadBranch& b) { return of(b); };
+      c.arrays[name] = listOf(all, unit, description, value);
+    });
+}
+
+void QuasiStaticFracture::restoreBranches(const io::Checkpoint& c)
+{
+  direction_ = c.number("direction") < 0 ? -1 : 1;
+  record_.trough = { c.number("trough strain"), c.number("trough stress"), c.count("trough broken") };
+  std::vector<LoadBranch> all(c.reals("branch_from").size());
+  if (all.empty())
+    throw InputError("the checkpoint's branches are none", "start the run anew");
+  eachColumn(
+    [&](const char* name, const char*, const char*, auto&& of)
+    {
+      const auto take = [&](const auto& values)
+      {
+        if (values.size() != all.size())
+          throw InputError("the checkpoint's branches are not as many everywhere", "start the run anew");
+        for (std::size_t k = 0; k < all.size(); ++k)
+          of(all[k]) = values[k];
+      };
+      if constexpr (std::is_integral_v<std::decay_t<decltype(of(all.front()))>>)
+        take(c.integers(name));
+      else
+        take(c.reals(name));
+    });
+  branch_ = all.back();
+  all.pop_back();
+  turns_ = all.size();
+  constexpr double roundOff = 1e-12;
+  for (std::size_t k = 0; k < turns_; ++k)
+    if (k >= options_.turningPoints.size() || std::abs(options_.turningPoints[k] - all[k].to) > roundOff)
+      throw InputError(fmt::format("turning point {} was {:g} in the run that the checkpoint is of", k + 1, all[k].to),
+        "go on with the same turning points; later ones may differ");
+  record_.branches = std::move(all);
+}
+
 void QuasiStaticFracture::save()
 {
   const double start = seconds();
@@ -117,14 +191,19 @@ void QuasiStaticFracture::save()
   c.scene = scene_;
   c.provenance = options_.checkpoint.provenance;
   c.arrays["displacement"] = gathered(lattice(), state.displacement, "m", "displacement at the unit load");
-  FractureRecord now{ FractureEnd::Running, {}, {}, record_.peak, record_.first, record_.modulus, record_.imbalance,
-    record_.carried, statistics() };
+  FractureRecord now;
+  now.peak = record_.peak;
+  now.first = record_.first;
+  now.modulus = record_.modulus;
+  now.statistics = statistics();
   ++now.statistics.checkpoints;
   eachNumber(now, [&](const char* name, const auto& value) { c.numbers[name] = static_cast<double>(value); });
   for (const auto& [name, value] : state.numbers)
     c.numbers["state: " + name] = value;
   c.numbers["load"] = load_;
   c.numbers["share"] = share_;
+  if (!options_.turningPoints.empty())
+    saveBranches(c);
   c.numbers["first ratio"] = firstRatio_;
   c.numbers["bonds left"] = static_cast<double>(bonds_.bonds());
   const auto& broken = record_.broken;
@@ -132,6 +211,8 @@ void QuasiStaticFracture::save()
   for (const BrokenBond& b : broken)
     list.push_back(b.bond);
   c.arrays["broken"] = arrayOf(list);
+  if (contact_)
+    c.arrays["closed"] = arrayOf(contact_->closed());
   const auto add = [&](const char* name, const auto& from, const char* unit, const char* description, auto&& value)
   { c.arrays[name] = listOf(from, unit, description, value); };
   using B = BrokenBond;
@@ -165,7 +246,7 @@ EngineState QuasiStaticFracture::restore(const PlatenForce& platens)
   const Communicator& comm = bonds_.communicator();
   const io::Checkpoint c = io::readCheckpoint(options_.continueFrom, kind, scene_, comm);
   EngineState state{ scattered(lattice(), c, "displacement"), {}, {} };
-  const std::vector<Bond> list = bondsIn(c, bonds_);
+  const std::vector<Bond> list = bondsIn(c, "broken", bonds_);
   const auto& event = c.integers("event");
   const auto& strain = c.reals("strain");
   const auto& critical = c.reals("critical_strain");
@@ -194,6 +275,8 @@ EngineState QuasiStaticFracture::restore(const PlatenForce& platens)
     });
   load_ = c.number("load");
   share_ = c.number("share");
+  if (!options_.turningPoints.empty())
+    restoreBranches(c);
   firstRatio_ = c.number("first ratio");
   savedAt_ = record_.statistics.events;
   state.statistics = record_.statistics;
@@ -204,6 +287,8 @@ EngineState QuasiStaticFracture::restore(const PlatenForce& platens)
 
   if (options_.takeBack)
     options_.takeBack(c);
+  if (contact_)
+    contact_->watch(list);
   bonds_.breakBonds(comm.rank() == 0 ? std::span<const Bond>(list) : std::span<const Bond>());
   // what has come loose since follows from what has broken
   const auto takeOutLoosePieces = [&platens](BondLattice& bonds, const LoadedSample& sample)
@@ -211,7 +296,9 @@ EngineState QuasiStaticFracture::restore(const PlatenForce& platens)
     const AlignedArray<std::uint8_t> marks = platens.marks(bonds, sample);
     bonds.breakBonds(bondsOfLoosePieces(bonds, findFragments(bonds, &marks)));
   };
-  if (sample_.pores)
+  if (contact_)
+    contact_->close(bondsIn(c, "closed", bonds_));
+  else if (sample_.pores)
     bonds_.breakBonds(looseUnderPressure(bonds_, sample_).bonds);
   else
     takeOutLoosePieces(bonds_, sample_);

@@ -4,6 +4,8 @@
 #include "core/Error.h"
 #include "core/Memory.h"
 #include "peridynamics/BondForces.h"
+#include "peridynamics/RimExchange.h"
+#include "peridynamics/fracture/CrackContact.h"
 #include "peridynamics/fracture/FractureCheckpoint.h"
 #include "peridynamics/fracture/LoosePieces.h"
 #include "peridynamics/fracture/PlatenForce.h"
@@ -25,13 +27,16 @@ constexpr double small = 0.1;
 
 FractureMethod methodOf(const FractureStudyOptions& o, const BondModel& model)
 {
-  const bool events = o.loading.load != LoadCase::Pressure && model.periodic == std::array<bool, 3>{} &&
-    o.fracture.breaking == Breaking::Strict;
+  const bool events = !o.fracture.contact && o.fracture.turningPoints.empty() && o.loading.load != LoadCase::Pressure &&
+    model.periodic == std::array<bool, 3>{} && o.fracture.breaking == Breaking::Strict;
   return o.method.value_or(events ? FractureMethod::Events : FractureMethod::Accurate);
 }
 
 void check(const FractureStudyOptions& o)
 {
+  if (!o.fracture.turningPoints.empty() && !o.atStrains.empty())
+    throw ParameterError("states at strains of a load that turns round, which passes them more than once",
+      "ask for states at numbers of broken bonds");
   for (const double strain : o.atStrains)
     if (!(strain > 0 && std::isfinite(strain)))
       throw ParameterError(fmt::format("a state is asked for at the strain {}", strain),
@@ -55,6 +60,8 @@ void requireBreakable(const BondLattice& bonds)
 /// Stress at a strain to which nothing more breaks.
 double stressAt(const FractureRecord& record, double strain)
 {
+  if (!record.curve.empty() && record.curve.back().strain == strain)
+    return record.curve.back().stress;
   const bool unbroken = record.curve.empty();
   return strain * (unbroken ? record.modulus : record.curve.back().stress / record.curve.back().strain);
 }
@@ -119,6 +126,11 @@ private:
   {
     if (!unit_)
       unit_ = fracture.sample().displacement;
+    else // of fixed nodes: the load may have turned round
+      for (int c = 0; c < unit_->components(); ++c)
+        for (std::int64_t i = 0; i < bonds_.layout().count(); ++i)
+          if ((fracture.sample().fixed[i] >> c & 1U) != 0)
+            unit_->component(c)[i] = fracture.sample().displacement.component(c)[i];
     EquilibriumOptions o;
     o.tolerance = options_.fracture.tolerance;
     if (options_.fracture.progress)
@@ -140,7 +152,7 @@ private:
     }
     s.displacement = *unit_;
     const double pressure = fracture.sample().pressure;
-    const double scale = pressure != 0 ? s.stress / std::abs(pressure) : s.strain / std::abs(options_.loading.strain);
+    const double scale = pressure != 0 ? s.stress / std::abs(pressure) : std::abs(s.strain / options_.loading.strain);
     for (int c = 0; c < s.displacement->components(); ++c)
       for (std::int64_t i = 0; i < bonds_.layout().count(); ++i)
         s.displacement->component(c)[i] *= scale;
@@ -262,7 +274,9 @@ double fractureBytes(
   // states have an equilibrium of their own, beside what goes on; four more fields of floats on all levels, tiles;
   // displacements at unit load and those of the state, its counts
   const double states = options.keep && options.displacement ? multigridBytes(levels, rim).held + 3 * 8 * d * nodes : 0;
-  return elasticBytes(model, lattice, grains, elastic, ranks) + checkpoint + states + 4 * 4 * d * onLevels +
+  // the state before, and the way from it
+  const double contact = options.fracture.contact ? 2 * 8 * d * nodes : 0;
+  return elasticBytes(model, lattice, grains, elastic, ranks) + checkpoint + states + contact + 4 * 4 * d * onLevels +
     nodes * (8 + (options.displacement ? 16 * d : 0) + 8 * 3);
 }
 
@@ -299,6 +313,9 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
   r.bondSeconds = lap();
 
   FractureOptions fractureOptions = options.fracture;
+  fractureOptions.cracks.clear();
+  if (options.fracture.contact)
+    fractureOptions.cracks = notchedBonds(bonds, model, lattice, phase, grain);
   fractureOptions.method = r.method = methodOf(options, model);
   if (options.fracture.progress)
     fractureOptions.progress = [&](const FractureProgress& p)
@@ -364,10 +381,52 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
   return r;
 }
 
+std::vector<KnownBond> notchedBonds(const BondLattice& bonds, const BondModel& model, const Lattice& lattice,
+  std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain)
+{
+  if (model.notches.empty())
+    return {};
+  BondModel sound = model;
+  sound.notches.clear();
+  const BondLattice all(sound, lattice, phase, grain, bonds.communicator());
+  const NodeLayout& l = bonds.layout();
+  std::vector<std::int64_t> mine;
+  for (std::int64_t z = 0; z < l.size[2]; ++z)
+    for (std::int64_t y = 0; y < l.size[1]; ++y)
+      all.forEachBond(y, z,
+        [&](std::int64_t i, std::int64_t, int o, int kind)
+        {
+          if (!l.ownedNode(l.node(i)) || bonds.kind(i, o) != 0)
+            return;
+          const Bond b = bonds.bond(i, o);
+          mine.insert(mine.end(), { b.node[0], b.node[1], b.node[2], b.offset, kind });
+        });
+  const std::vector<std::int64_t> list = gather(bonds.communicator(), mine, 5);
+  std::vector<KnownBond> cut;
+  for (std::size_t k = 0; k < list.size(); k += 5)
+    cut.push_back(
+      { { { list[k], list[k + 1], list[k + 2] }, static_cast<int>(list[k + 3]) }, static_cast<int>(list[k + 4]) });
+  std::sort(cut.begin(), cut.end(), [](const KnownBond& a, const KnownBond& b) { return a.bond < b.bond; });
+  return cut;
+}
+
 BondLattice remainingBonds(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,
-  std::span<const std::int32_t> grain, std::span<const Bond> broken, const Loading* held, const Communicator& comm)
+  std::span<const std::int32_t> grain, std::span<const Bond> broken, const Loading* held,
+  const std::function<void(NodeField<double>&)>& contact, const Communicator& comm)
 {
   BondLattice bonds(model, lattice, phase, grain, comm);
+  if (contact)
+  {
+    NodeField<double> u(bonds.layout());
+    contact(u);
+    bonds.exchange(u);
+    CrackContact cracks(bonds);
+    cracks.watch(notchedBonds(bonds, model, lattice, phase, grain));
+    cracks.watch(broken);
+    bonds.breakBonds(comm.rank() == 0 ? broken : std::span<const Bond>());
+    cracks.follow(u);
+    return bonds;
+  }
   std::optional<LoadedSample> sample;
   if (held != nullptr)
     sample = applyLoading(bonds, *held, phase);

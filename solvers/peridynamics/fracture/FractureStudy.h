@@ -22,9 +22,11 @@ struct FractureState : BrokenState
 struct FractureStudyOptions
 {
   Loading loading{}; ///< the strain's sign is the direction, its size is of no account
-  /// Its method is of no account, and its progress may come more seldom than every event.
+  /// Its method and its cracks are of no account (with contact these are the notches), and its progress may come more
+  /// seldom than every event.
   FractureOptions fracture{};
-  /// None: FractureMethod::Events where it can be had (no periodic side, strict breaking), else Accurate.
+  /// None: FractureMethod::Events where it can be had (no periodic side, strict breaking, neither contact nor turning
+  /// points), else Accurate.
   std::optional<FractureMethod> method{};
   std::vector<double> atStrains{};           ///< states to keep: imposed strains
   std::vector<std::int64_t> atBroken{};      ///< likewise: numbers of broken bonds
@@ -98,9 +100,16 @@ struct FractureResult : SampleCounts
 /// run. The sample is as studyFracture() takes it, or studyDynamics(). Collective.
 /// @param held how platens hold it: bonds of pieces that came loose are taken out then, as studyFracture() does; null
 /// where they fly on, as in studyDynamics()
+/// @param contact FractureOptions::contact: fills in displacements of the state, of own nodes, whose closed bonds are
+/// there then; else empty
 [[nodiscard]] BondLattice remainingBonds(const BondModel& model, const Lattice& lattice,
   std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain, std::span<const Bond> broken,
-  const Loading* held, const Communicator& comm);
+  const Loading* held, const std::function<void(NodeField<double>&)>& contact, const Communicator& comm);
+
+/// The bonds that notches cut, in order; the same on every rank. Collective.
+/// @param bonds of this model, none broken yet
+[[nodiscard]] std::vector<KnownBond> notchedBonds(const BondLattice& bonds, const BondModel& model,
+  const Lattice& lattice, std::span<const std::uint8_t> phase, std::span<const std::int32_t> grain);
 
 /// The curve of a record, see FractureResult::curve.
 [[nodiscard]] std::vector<FractureCurvePoint> fractureCurve(const FractureRecord& record);

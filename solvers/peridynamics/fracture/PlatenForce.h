@@ -15,6 +15,8 @@ public:
   /// Half of what the two platens feel together: the same at equilibrium. Collective.
   template <class Real>
   [[nodiscard]] double of(const BondLattice& bonds, const NodeField<Real>& force) const;
+  /// Positive the other way from now on.
+  void turn() noexcept { sign_ = -sign_; }
   /// How far a state is from equilibrium: the largest difference between the force through a section between the
   /// platens and that on the platens, over the latter; 0 where both vanish, infinite where only the latter does.
   /// Collective.

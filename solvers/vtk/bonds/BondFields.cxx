@@ -32,13 +32,19 @@ void addStrainEnergy(
   output->GetPointData()->AddArray(array);
 }
 
+void displacementsOf(vtkImageData* state, const BondScene& scene, pd::NodeField<double>& u, const Team& team)
+{
+  const NodeVectors given =
+    vectorsOf(state, nullptr, "displacement", "keep it in the states", scene.lattice().dimension, team);
+  scene.toSlab(given.array, given.name, u);
+}
+
 void addMeasures(vtkImageData* state, const BondScene& scene, const pd::BondLattice& bonds, const Measures& measures,
   const char* creator, const Team& team)
 {
   const int dimension = scene.lattice().dimension;
-  const NodeVectors given = vectorsOf(state, nullptr, "displacement", "keep it in the states", dimension, team);
   pd::NodeField<double> u(bonds.layout());
-  scene.toSlab(given.array, given.name, u);
+  displacementsOf(state, scene, u, team);
   bonds.exchange(u);
   if (measures.stress)
   {

@@ -28,6 +28,10 @@ struct Measures
   bool energy = false;
   bool largeStrains = false;
 };
+/// Those that a state carries, of this rank's own nodes. Collective.
+/// @throws InputError where it carries none
+void displacementsOf(
+  vtkImageData* state, const BondScene& scene, peridynamics::NodeField<double>& displacement, const Team& team);
 /// Adds stress and strain energy to a state that carries its displacement. Collective.
 void addMeasures(vtkImageData* state, const BondScene& scene, const peridynamics::BondLattice& bonds,
   const Measures& measures, const char* creator, const Team& team);

@@ -21,8 +21,8 @@ namespace lamella
 {
 const char* wordOf(pd::FractureEnd end)
 {
-  constexpr std::array<const char*, 8> words{ "running", "stress-fell", "severed", "nothing-breaks", "maximum-strain",
-    "maximum-broken", "interrupted", "pores-open" };
+  constexpr std::array<const char*, 9> words{ "running", "stress-fell", "severed", "nothing-breaks", "maximum-strain",
+    "maximum-broken", "interrupted", "pores-open", "last-turn" };
   return words.at(static_cast<std::size_t>(end));
 }
 
@@ -99,6 +99,45 @@ void setFractureCurve(vtkTable* output, const pd::FractureResult& result, const 
   columns.numbers("critical_stress", "Pa", "stress at that strain", &Point::criticalStress);
 }
 
+namespace
+{
+
+/// Of a load that turns round; what an image has of them from before goes where it does not.
+void setBranches(vtkImageData* output, const pd::FractureRecord& record)
+{
+  const auto set = [&](const char* name, auto&& of)
+  {
+    std::vector<double> values;
+    for (const pd::LoadBranch& b : record.branches)
+      values.push_back(static_cast<double>(of(b)));
+    output->GetFieldData()->RemoveArray(name);
+    if (!values.empty())
+      setFieldNumbers(output, name, values);
+  };
+  using B = pd::LoadBranch;
+  set(
+    "branch_from", [](const B& b) { return b.from; });
+  set(
+    "branch_to", [](const B& b) { return b.to; });
+  set(
+    "branch_stress", [](const B& b) { return b.stress; });
+  set(
+    "branch_modulus", [](const B& b) { return b.modulus; });
+  set(
+    "branch_work", [](const B& b) { return b.work; });
+  set(
+    "branch_released", [](const B& b) { return b.released; });
+  set("branch_broken", [](const B& b) { return b.broken; });
+  for (const char* const name : { "trough_stress", "trough_strain" })
+    output->GetFieldData()->RemoveArray(name);
+  if (record.branches.empty())
+    return;
+  setFieldNumber(output, "trough_stress", record.trough.stress);
+  setFieldNumber(output, "trough_strain", record.trough.strain);
+}
+
+} // namespace
+
 void setFractureNumbers(vtkImageData* output, const pd::FractureResult& r)
 {
   const auto set = [output](const char* name, double value) { setFieldNumber(output, name, value); };
@@ -108,6 +147,7 @@ void setFractureNumbers(vtkImageData* output, const pd::FractureResult& r)
   setPlatens(output, r);
   setWork(output, r);
   setPores(output, r);
+  setBranches(output, r.record);
   set("effective_modulus", r.record.modulus);
   set("peak_stress", r.peak.stress);
   set("peak_strain", r.peak.strain);

@@ -189,8 +189,10 @@ void vtkBondBreakAlgorithm::Measure(vtkImageData* input, const lamella::Team& te
   const pd::Loading loading = this->Platens(scene);
   const pd::ThreadScope threads(this->ThreadCount());
   const lamella::Communicator comm(team.comm());
+  const auto displacements = [&](pd::NodeField<double>& u) { lamella::displacementsOf(state, scene, u, team); };
   const pd::BondLattice bonds = pd::remainingBonds(scene.model(), scene.lattice(), scene.phase(), scene.grain(),
-    std::span(this->Kept->Order).first(broken), this->Moves() ? nullptr : &loading, comm);
+    std::span(this->Kept->Order).first(broken), this->Moves() ? nullptr : &loading,
+    this->CracksClose() ? displacements : std::function<void(pd::NodeField<double>&)>(), comm);
   lamella::addMeasures(state, scene, bonds, { stress, energy, this->Moves() }, this->GetClassName(), team);
   if (stress)
     found.insert(stressName);

@@ -200,6 +200,8 @@ protected:
 
   /// Whether the sample is in motion: forces are those of large strains, and pieces that come loose fly on.
   virtual bool Moves() const { return false; }
+  /// Whether broken bonds that are pressed bear again.
+  virtual bool CracksClose() const { return false; }
   /// The fields that only Solve() makes, by name, and whether they are asked for.
   virtual std::vector<std::pair<std::string, bool>> MadeFields() const;
   /// Switches a field of the states on or off: runs nothing again by itself.
