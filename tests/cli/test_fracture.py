@@ -67,6 +67,44 @@ class Fracture(Case):
         self.fails(2, "a window error of a sample under a pressure", "leave it out", *cell, "--window-error")
         self.fails(2, "suction", "load pressure", *cell[:-4], "--suction")
 
+    def test_cracks_that_close(self):
+        # through the upper stone from side to side; 22 rows of 30 micrometres
+        notched = [*STRIP, *BREAKS, "--compression", "--notch", "0,360um,150um,360um", "--max-broken", "3", "--json"]
+        whole = self.works(*STRIP, *BREAKS, "--compression", "--max-broken", "3", "--json").json()
+        cut = self.works(*notched).json()
+        closed = self.works(*notched, "--contact").json()
+        self.assertEqual((cut["contact"], closed["contact"], closed["method"]), (False, True, "accurate"))
+        self.assertLess(cut["effective_modulus"], 0.9 * whole["effective_modulus"])
+        self.assertAlmostEqual(closed["effective_modulus"] / whole["effective_modulus"], 1, places=2)  # steep bonds open
+        self.assertIn("cracks close", self.works(*notched[:-1], "--contact").out)
+        self.fails(2, "contact of cracks with local corrections", "accurate", *notched, "--contact", "--method", "events")
+        self.fails(2, "a sensitivity of a sample whose notches close", "the notches", *notched, "--contact", "--sensitivity")
+        self.fails(2, "contact of cracks under a pressure", "by platens", *STRIP, *BREAKS, "--contact", "--load", "pressure")
+
+    def test_cycles(self):
+        turns = [*STRIP, *BREAKS, "--turning-points", "3e-3,-3e-3", "--cycles", "2"]
+        self.assertIsNone(self.works(*STRIP, *BREAKS, "--json").json()["branches"])
+        found = self.works(*turns, "--contact", "--curve", "c.csv", "--json").json()
+        self.assertEqual((found["end"], found["method"]), ("last-turn", "accurate"))
+        branches = found["branches"]
+        self.assertEqual([branch["to"] for branch in branches], [3e-3, -3e-3] * 2)
+        self.assertEqual(sum(branch["broken"] for branch in branches), found["broken"])
+        self.assertGreater(branches[0]["released"], 0)
+        self.assertLess(branches[2]["modulus"], 0.1 * branches[1]["modulus"])  # pulled it is soft, pressed stiff
+        self.assertAlmostEqual(found["trough_stress"] / min(branch["stress"] for branch in branches), 1, places=9)
+        with open(self.path("c.csv"), newline="", encoding="utf-8") as file:
+            strains = [float(row["strain"]) for row in csv.DictReader(file)]
+        self.assertEqual((strains[0], min(strains), strains[-1]), (0, -3e-3, -3e-3))
+        self.assertIn("branch to strain", self.works(*turns).out)
+        self.fails(2, "2 cycles without turning points", "the strains", *STRIP, *BREAKS, "--cycles", "2")
+        self.fails(2, "turning points and a largest strain", "leave the latter out", *turns, "--max-strain", "0.01")
+        self.fails(2, "raised in steps", "leave the steps out", *turns, "--strain-step", "1e-4")
+        self.fails(2, "turns round with local corrections", "accurate", *turns, "--method", "events")
+        self.fails(2, "a load that turns round", "leave the window", *turns, "--window-error")
+        self.fails(2, "a sensitivity of the first break under a load that turns", "leave the sensitivity", *turns, "--sensitivity")
+        self.fails(2, "where it is already", "differ", *STRIP, *BREAKS, "--turning-points", "1e-3,1e-3")
+        self.fails(2, "states at strains", "broken bonds", *turns, "--at-strain", "1e-3", "-o", "s.vti")
+
     def test_surfaces_that_lie_elsewhere(self):
         self.write("cell.png", pictures.png([[0 if (x - 20) ** 2 + (y - 22) ** 2 < 100 else 255 for x in range(40)] for y in range(44)],
                                             pixels_per_metre=100000))  # fmt: skip

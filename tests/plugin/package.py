@@ -10,6 +10,7 @@ import warnings
 
 import lamella
 import numpy as np
+from lamella import vtkBondFracture
 from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkCommonDataModel import vtkImageData, vtkPolyData
@@ -1020,6 +1021,46 @@ class Bonds(unittest.TestCase):
             lamella.dynamics(sample, young, density, **whole, velocity=np.zeros((24, 36, 2)), end_time=1e-9)
         with self.assertRaisesRegex(TypeError, "unexpected keyword argument 'strains'"):
             lamella.dynamics(sample, young, density, strains="large")
+
+    def test_fracture_where_cracks_close(self):
+        phase = np.ones((36, 24), int)
+        phase[16:20] = 2  # a layer of glue that no bond of the stone reaches across
+        sample = lamella.from_array(phase, names=["void", "stone", "glue"], spacing=1e-5)
+        breaks = {"critical_stretch": {"glue": 2e-3}, "like": {"glue-stone": "glue"}}
+        young = {"stone": 4e9, "glue": 1e9}
+        torn = lamella.fracture(sample, young, **breaks, contact=True, turning_points=[4e-3, -2e-3, 0], cycles=2, stress=True)
+        branches = torn.branches
+        self.assertEqual((torn.end, len(branches)), ("last-turn", 6))
+        np.testing.assert_array_equal(branches["to"], [4e-3, -2e-3, 0] * 2)
+        self.assertEqual(branches["broken"].sum(), len(torn.broken))
+        self.assertLess(branches["modulus"][0], 0.5 * branches["modulus"][1])
+        self.assertTrue(np.isnan(branches["modulus"][2]))
+        self.assertAlmostEqual(branches["work"].sum() / branches["released"].sum(), 1)
+        self.assertEqual(torn.trough_stress, branches["stress"].min())
+        plain = lamella.fracture(sample, young, **breaks)
+        self.assertEqual(len(plain.branches), 0)
+        self.assertTrue(np.isnan(plain.trough_stress))
+
+        # stress that is asked for after the run knows which bonds are closed
+        run = vtkBondFracture()
+        run.SetInputData(sample.vtk)
+        for pair, value in young.items():
+            run.SetYoungsModulus(pair, value)
+        run.SetCriticalStretch("glue", 2e-3)
+        run.SetLike("glue-stone", "glue")
+        run.ContactOn()
+        for strain in (3e-3, -2e-3):
+            run.AddTurningPoint(strain)
+        run.Update()
+        self.assertFalse(run.GetOutput().GetPointData().HasArray("stress"))
+        run.ComputeStressOn()
+        run.Update()
+        later = lamella.fracture(sample, young, **breaks, contact=True, turning_points=[3e-3, -2e-3], stress=True)
+        found = vtk_to_numpy(run.GetOutput().GetPointData().GetArray("stress"))
+        asked = vtk_to_numpy(later.vtk.GetPointData().GetArray("stress"))
+        np.testing.assert_array_equal(found, asked)
+        middle = found.reshape(36, 24, 6)[18, 4:-4, 1]
+        self.assertLess(middle.mean(), 0)
 
     def test_fracture(self):
         phase = np.ones((36, 24), int)

@@ -72,6 +72,38 @@ Json statistics(const BondFields& f)
   return json;
 }
 
+/// From one turning point of the load to the next.
+Json branchesJson(const BondFields& f)
+{
+  const std::size_t count = fieldNumbers(f.image, "branch_to").size();
+  if (count == 0)
+    return nullptr;
+  Json json = Json::array();
+  for (std::size_t k = 0; k < count; ++k)
+    json.push_back({ { "from", f("branch_from", k) }, { "to", f("branch_to", k) }, { "stress", f("branch_stress", k) },
+      { "modulus", jsonNumber(f("branch_modulus", k)) }, { "work", f("branch_work", k) },
+      { "released", f("branch_released", k) }, { "broken", f.whole("branch_broken", k) } });
+  return json;
+}
+
+std::string branchesText(const BondFields& f)
+{
+  const std::size_t count = fieldNumbers(f.image, "branch_to").size();
+  if (count == 0)
+    return "";
+  std::string text =
+    fmt::format("    trough at         strain {:.6g}, stress {}\n", f("trough_strain"), pascal(f("trough_stress")));
+  text += "\n    branch to strain  stress [Pa]   modulus [Pa]  work [J/m³]   of it released  bonds broken\n";
+  constexpr std::size_t shown = 20; // the others are in the JSON
+  for (std::size_t k = 0; k < std::min(count, shown); ++k)
+    text += fmt::format("    {:<16.6g}  {:<12.5g}  {:<12.5g}  {:<12.5g}  {:<14.5g}  {}\n", f("branch_to", k),
+      f("branch_stress", k), f("branch_modulus", k), f("branch_work", k), f("branch_released", k),
+      grouped(f.whole("branch_broken", k)));
+  if (count > shown)
+    text += fmt::format("    … {} more, in the JSON\n", count - shown);
+  return text + "\n";
+}
+
 std::string statisticsText(const BondFields& f)
 {
   const double events = std::max(f("events"), 1.0);
@@ -149,6 +181,11 @@ std::string fractureJson(const FractureReport& report)
   json["total_errors"] = nullptr;
   if (!total.empty())
     json["total_errors"] = { { "strength", jsonNumber(total[0] / f("peak_stress")) } };
+  json["branches"] = branchesJson(f);
+  json["trough_stress"] = nullptr;
+  json["trough_strain"] = nullptr;
+  if (!fieldNumbers(report.run.image, "trough_stress").empty())
+    addKeys(json, f, { { "trough_stress" }, { "trough_strain" } });
   json["broken"] = f.whole("total_broken");
   json["broken_by_pair"] = brokenByPairJson(report);
   json["broken_energy"] = sizeKnown(report.run) ? Json(f("broken_energy")) : Json(nullptr);
@@ -158,8 +195,8 @@ std::string fractureJson(const FractureReport& report)
     { { "strain" }, { "stress" }, { "broken", Whole, "broken_bonds" }, { "hinges", Whole } });
   addKeys(json, f,
     { { "continued_at", Whole }, { "states_before", Whole }, { "checkpoints", Whole }, { "last_checkpoint", Whole },
-      { "load", Text }, { "axis", Text, "load_axis" }, { "compression", Flag }, { "suction", Flag }, { "method", Text },
-      { "breaking", Text } });
+      { "load", Text }, { "axis", Text, "load_axis" }, { "compression", Flag }, { "suction", Flag },
+      { "contact", Flag }, { "method", Text }, { "breaking", Text } });
   addPlatens(json, f);
   addModel(json, f);
   json["statistics"] = statistics(f);
@@ -216,6 +253,8 @@ std::string fractureTable(const FractureReport& report)
   else
     text += fmt::format("\n  {} along {}{}\n", f.text("load"), f.text("load_axis"),
       f("compression") != 0 ? ", platens approaching: strains and stresses are positive in compression" : "");
+  if (f("contact") != 0)
+    text += "    cracks close: broken bonds that are pressed bear again\n";
   text += fmt::format("    {}  {}\n",
     pressure  ? "volume modulus  "
       : shear ? "shear modulus   "
@@ -230,7 +269,7 @@ std::string fractureTable(const FractureReport& report)
   }
   text += fmt::format("    peak at           strain {:.6g}, stress {}, {} bonds broken\n", f("peak_strain"),
     pascal(f("peak_stress")), grouped(f.whole("peak_broken")));
-  text += strengthText(f) + doubtText(f);
+  text += branchesText(f) + strengthText(f) + doubtText(f);
   text += fmt::format(
     "    end at            strain {:.6g}, stress {} ({:.3g} % of the peak), {} bonds broken:\n      {}\n", f("strain"),
     pascal(f("stress")), share(f("stress"), f("peak_stress")), grouped(f.whole("total_broken")), f.text("end_reason"));

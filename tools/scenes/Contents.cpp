@@ -65,7 +65,8 @@ const std::map<std::string, std::string>& reports()
       "sensitivity{*{*}} relative_sensitivity{*{*}} input_errors{*} surface_doubt segmentation_errors{*} "
       "total_errors{*} window_errors{*} size_effect{exponent "
       "weibull_modulus} broken "
-      "broken_by_pair broken_energy end end_reason states compression suction method breaking platen_layers{low high} "
+      "branches trough_stress:Pa trough_strain broken_by_pair broken_energy end end_reason states compression suction "
+      "contact method breaking platen_layers{low high} "
       "pore_volume open_pore_nodes statistics" +
         goesOn + platens + model + sizes },
     { "dynamics",

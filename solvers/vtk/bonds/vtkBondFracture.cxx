@@ -108,6 +108,7 @@ void describeSurfaces(vtkImageData* image, double peak, const std::optional<Move
 struct vtkBondFracture::Internals
 {
   std::vector<double> Strains;
+  std::vector<double> Turns;
 };
 
 vtkStandardNewMacro(vtkBondFracture);
@@ -120,6 +121,7 @@ vtkBondFracture::vtkBondFracture()
 vtkBondFracture::~vtkBondFracture() = default;
 
 vtkAddToListMacro(vtkBondFracture, StateAtStrain, StatesAtStrains, double, Internal->Strains);
+vtkAddToListMacro(vtkBondFracture, TurningPoint, TurningPoints, double, Internal->Turns);
 
 void vtkBondFracture::CheckPressure() const
 {
@@ -136,12 +138,35 @@ void vtkBondFracture::CheckPressure() const
     }
 }
 
+void vtkBondFracture::CheckCycles(const lamella::BondSettings& settings) const
+{
+  if (this->Internal->Turns.empty() && this->Cycles != 1)
+    throw lamella::ParameterError(
+      fmt::format("{} cycles without turning points", this->Cycles), "give the strains between which the load goes");
+  if (this->Contact && this->WantsSensitivity() && !settings.notches.empty())
+    throw lamella::ParameterError(
+      "a sensitivity of a sample whose notches close: its derivatives are those of open ones",
+      "leave contact, the notches or the sensitivity out");
+  if (this->Internal->Turns.empty())
+    return;
+  if (this->WantsSensitivity())
+    throw lamella::ParameterError("a sensitivity of the first break under a load that turns round",
+      "leave the sensitivity out, or the turning points");
+  if (this->EstimateWindowError || this->EstimateSegmentationError || this->SurfaceDoubt > 0)
+    throw lamella::ParameterError("an error of the strength under a load that turns round",
+      "leave the window and the segmentation error out, or the turning points");
+}
+
 void vtkBondFracture::SetOptions(const lamella::BondScene& scene, pd::FractureStudyOptions& options) const
 {
   options.loading = this->Platens(scene);
   options.loading.strain = this->Compression ? -1e-3 : 1e-3;
   options.loading.pressure *= this->Suction ? -1 : 1;
   options.loading.lateralStrain = this->LateralRatio * options.loading.strain;
+  options.fracture.contact = this->Contact;
+  const std::vector<double>& turns = this->Internal->Turns;
+  for (int cycle = 0; cycle < this->Cycles; ++cycle)
+    options.fracture.turningPoints.insert(options.fracture.turningPoints.end(), turns.begin(), turns.end());
   options.fracture.breaking = static_cast<pd::Breaking>(this->Breaking);
   options.fracture.stopShare = this->StopShare;
   SetLimit("the largest strain", this->MaximumStrain, options.fracture.maxStrain);
@@ -166,6 +191,7 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
   const lamella::BondSettings settings = this->Settings();
   check(settings);
   this->CheckPressure();
+  this->CheckCycles(settings);
   const bool surfaces = this->EstimateSegmentationError || this->SurfaceDoubt > 0;
   std::optional<MovedSurfaces> moved;
   if (surfaces)
@@ -272,11 +298,13 @@ void vtkBondFracture::Describe(vtkImageData* image, const lamella::BondScene& sc
   lamella::setFieldText(image, "load", this->LoadName());
   lamella::setFieldNumber(image, "compression", this->Compression ? 1.0 : 0.0);
   lamella::setFieldNumber(image, "suction", this->Load == PRESSURE && this->Suction ? 1.0 : 0.0);
+  lamella::setFieldNumber(image, "contact", this->Contact ? 1.0 : 0.0);
   lamella::setFieldText(image, "breaking", lamella::wordOf(breaking));
 
   lamella::continueProvenance(image, "fracture",
     { { "model", model }, { "load", this->LoadName() }, { "axis", std::string(1, "xyz"[result.axis]) },
-      { "compression", this->Compression }, { "suction", this->Suction }, { "pressure_in", this->PressurePhases() },
+      { "compression", this->Compression }, { "contact", this->Contact }, { "turning_points", this->Internal->Turns },
+      { "cycles", this->Cycles }, { "suction", this->Suction }, { "pressure_in", this->PressurePhases() },
       { "straight_sides", this->StraightSides }, { "lateral_ratio", this->LateralRatio },
       { "smooth_platens", this->SmoothPlatens }, { "rigid_platens", this->RigidPlatens },
       { "platen_layers", this->PlatenLayers }, { "method", lamella::wordOf(result.method) },

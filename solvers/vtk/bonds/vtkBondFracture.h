@@ -11,7 +11,7 @@
  * Strains and stresses count along the load: under Compression they are positive when the platens approach. Under a
  * pressure in pores strain is their gain in volume (under Suction their loss) over their volume, which rises as the
  * platens' movement does elsewhere, and stress the pressure: its peak is the pressure that the sample bears, whether
- * the water's volume or its pressure is held.
+ * the water's volume or its pressure is held. With Contact cracks close: a sample in compression bears across them.
  *
  * **Output 0**: the input in one state (State) with
  * - `damage` (1 double, 0 to 1): share of the node's bonds that are broken; bonds that notches cut before loading do
@@ -29,8 +29,9 @@
  * `lattice_origin`, and all of output 0's.
  *
  * **Output 2**, curve: vtkTable with `strain`, `stress` [Pa], `broken`: the state just before each event, what each
- * avalanche left, and the end; the strain never falls. `critical_strain` and `critical_stress` are the path that
- * follows every snap-back. On several ranks the first holds outputs 1 and 2.
+ * avalanche left, turning points and passages of 0, and the end; without turning points the strain never falls.
+ * `critical_strain` and `critical_stress` are the path that follows every snap-back. On several ranks the first holds
+ * outputs 1 and 2.
  *
  * **Field data**:
  * - `peak_stress` [Pa], `peak_strain`, `peak_broken`; `first_break_strain`, `first_break_stress` (NaN where nothing
@@ -47,11 +48,16 @@
  *   `strength_total_error` [Pa], the root of the squares of both
  * - under a pressure `pore_volume` [m³] (of a picture [m²]), of the pores that were closed, and `open_pore_nodes`,
  * which hold none
- * - `end`: stress-fell, severed, pores-open, nothing-breaks, maximum-strain or maximum-broken; `end_reason`: the same
- * as a sentence
+ * - with TurningPoints `trough_stress` [Pa], `trough_strain`, the largest stress against the load (negative, or 0), and
+ *   of each branch, from one turning point to the next, `branch_from`, `branch_to` (strains), `branch_stress` [Pa] and
+ *   `branch_modulus` [Pa] (stress over strain; NaN at 0) at its end, `branch_work` (of the platens; negative where the
+ *   sample gives back), `branch_released` (what of it went with the breaks) [J/m³, over the box between the platens],
+ *   `branch_broken` (bonds)
+ * - `end`: last-turn (the last turning point was reached), stress-fell, severed, pores-open, nothing-breaks,
+ * maximum-strain or maximum-broken; `end_reason`: the same as a sentence
  * - of the state: `strain`, `stress` [Pa], `broken_bonds`, `hinges`, `state_iterations`
- * - `load`, `compression`, `suction` (0 or 1), `load_axis`, `method`, `breaking`, `section_area`, `gauge_length`,
- * `platen_layers`
+ * - `load`, `compression`, `suction`, `contact` (0 or 1), `load_axis`, `method`, `breaking`, `section_area`,
+ * `gauge_length`, `platen_layers`
  * - `events`, `raises` (of the load; each jumps the elastic ramp up to the next break), `equilibria` (of the whole
  *   sample) with their `iterations`, `local_cycles` with the `visited_nodes`, `searches` for loose pieces,
  *   `freed_pieces`, `freed_nodes`, `freed_bonds` (came loose on the way), `loose_pieces`, `loose_nodes` (were loose
@@ -121,12 +127,12 @@ public:
   enum Methods
   {
     AUTO = 0,    ///< "Automatic": events where they can be had, else accurate
-    EVENTS = 1,  ///< corrections around each break; sides not periodic, strict breaking
+    EVENTS = 1,  ///< corrections around each break; sides not periodic, strict breaking, no contact, a load that rises
     ACCURATE = 2 ///< "Accurate: all after each break": the whole sample after each break: slow, to check against
   };
   /**
-   * How forces are balanced between breaks. Automatic: events without periodic sides and in strict breaking; else
-   * accurate, which takes far longer.
+   * How forces are balanced between breaks. Automatic: events in strict breaking without periodic sides, contact and
+   * turning points; else accurate, which takes far longer.
    * @group Accuracy and cost
    * @choice Methods
    * @advanced
@@ -145,6 +151,35 @@ public:
    * @advanced
    */
   vtkSettingMacro(Breaking, int, STRICT);
+
+  /**
+   * Cracks close: a bond that broke, or that a notch cut, carries compression as before where its ends are nearer to
+   * each other than at first (unilateral contact, no friction), and pieces that come loose stay. Off: it carries
+   * nothing any more, and cracks under pressure pass through themselves. By the accurate method.
+   * @group Breaking
+   */
+  vtkSwitchMacro(Contact, false);
+
+  ///@{
+  /**
+   * Strains at which the load turns round, along it positive, the other way negative: from 0 to the first, on to the
+   * next and so on; the last is the end, and the share of the peak is of no account. None: the strain rises only.
+   *
+   * By the accurate method. States are asked for at numbers of broken bonds then.
+   * @word turning-points, turning_points
+   * @title Turning points of the load
+   * @group Load
+   * @columns Strain
+   */
+  void AddTurningPoint(double strain);
+  void RemoveAllTurningPoints();
+  ///@}
+  /**
+   * How often the turning points are gone through.
+   * @group Load
+   * @range [1, 100000]
+   */
+  vtkSettingMacro(Cycles, int, 1);
 
   /**
    * Events: look closer where two bonds are nearly as critical as each other. Off is sooner by a third to a half; the
@@ -214,10 +249,12 @@ protected:
   ~vtkBondFracture() override;
 
   void Solve(vtkImageData* input, const lamella::Team& team, vtkPolyData* broken, vtkTable* curve) override;
+  bool CracksClose() const override { return this->Contact; }
 
 private:
   void SetOptions(const lamella::BondScene& scene, lamella::peridynamics::FractureStudyOptions& options) const;
   void CheckPressure() const;
+  void CheckCycles(const lamella::BondSettings& settings) const;
   /// What was found and how, in a state's field data.
   void Describe(vtkImageData* image, const lamella::BondScene& scene, const lamella::BondSettings& settings,
     const lamella::peridynamics::FractureResult& result) const;

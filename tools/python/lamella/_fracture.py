@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from ._arrays import told
 from ._bonds import FORMERLY, MATERIALS, BreakInputs
 from ._breaks import BreakResult, BrokenState, run_breaks
@@ -36,8 +38,8 @@ class FractureResult(BreakInputs, BreakResult, WindowErrors):
     _TIMES = ("bonds", "first", "equilibria", "local", "search", "run", "states", "checkpoints")
 
     strain: Array = told(
-        "Curve: imposed strains, from 0 on; they never fall. Just before each event, what each avalanche left, "
-        "the end.", by="_column")
+        "Curve: imposed strains, from 0 on; without turning points they never fall. Just before each event, what each avalanche left, "
+        "turning points and passages of 0, the end.", by="_column")
     critical_strain: Array = told(
         "Curve that follows every snap-back: strain at which the next bond is just critical.", by="_column")
     critical_stress: Array = told(
@@ -62,6 +64,22 @@ class FractureResult(BreakInputs, BreakResult, WindowErrors):
         ``stress`` [Pa], ``position`` of the middle and ``bond`` vector (x, y (and z) [m]), ``phases`` of both ends (the
         lesser first), ``between_grains``."""
         return self._broken_bonds()
+
+    @property
+    def branches(self) -> Array:
+        """Of a load that turns round, from one turning point to the next, a structured array: ``from`` and ``to`` (strains),
+        ``stress`` and ``modulus`` [Pa] (stress over strain; NaN at 0) at its end, ``work`` of the platens and what of it was
+        ``released`` by the breaks [J/m³, over the box between the platens], ``broken`` bonds. Empty without turning points."""
+        names = ("from", "to", "stress", "modulus", "work", "released", "broken")
+        columns = [self._numbers(f"branch_{name}") for name in names]
+        found = np.zeros(0 if columns[0] is None else len(columns[0]), [(name, "i8" if name == "broken" else "f8") for name in names])
+        for name, column in zip(names, columns):
+            if column is not None:
+                found[name] = column
+        return found
+
+    trough_stress: float = told("The largest stress against the load [Pa], negative or 0; NaN without turning points.", by="_asked")
+    trough_strain: float = told("The strain then; NaN likewise.", by="_asked")
 
     first_break_strain: float = told("Strain at which the first bond broke; NaN where none did.")
     first_break_stress: float = told("Stress at which the first bond broke [Pa]; NaN where none did.")
