@@ -109,7 +109,7 @@ PointCompression<Dim>::PointCompression(
       s.straight = options_.sides == LateralSides::Straight || options_.sides == LateralSides::Periodic;
     }
   }
-  elastic_ = law->kind() != LawKind::Hencky;
+  elastic_ = law->history() == 0;
   // what hardly changes its volume has waves that are far faster than all else it does
   std::vector<double> most;
   for (std::size_t phase = 0; phase < law->phases(); ++phase)

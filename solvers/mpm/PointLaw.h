@@ -18,7 +18,8 @@ enum class LawKind : std::uint8_t
   NeoHookean,
   Isotropic,
   Orthotropic,
-  Hencky ///< no kernels
+  Hencky, ///< no kernels, and none below
+  Hill
 };
 
 /// What a plane takes the third direction for. Space has no choice.

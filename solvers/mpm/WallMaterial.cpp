@@ -39,6 +39,15 @@ void requireBarrier(double value, const std::string& name)
       fmt::format("{}: a barrier of {}", name, value), "times the greatest stiffness: 1, or 0 for none");
 }
 
+void checkYield(double stress, double hardening, const std::string& name)
+{
+  if (!(stress > 0))
+    throw ParameterError(fmt::format("{}: a yield stress of {} Pa", name, stress),
+      "it is positive; infinite for a wall that never yields");
+  if (!(std::isfinite(hardening) && hardening >= 0))
+    throw ParameterError(fmt::format("{}: a hardening of {} Pa", name, hardening), "it is finite and not negative");
+}
+
 void check(const OrthotropicMaterial& m, bool third, const std::string& name)
 {
   requirePositive(m.along, "Young's modulus along the axis", name);
@@ -133,12 +142,36 @@ std::array<double, Orthotropic::constants> orthotropicConstants(
 std::array<double, Hencky::constants> henckyConstants(const PlasticMaterial& m, const std::string& name)
 {
   const auto elastic = isotropicConstants<3>(m.elastic, PlaneState::Strain, name);
-  if (!(m.yieldStress > 0))
-    throw ParameterError(fmt::format("{}: a yield stress of {} Pa", name, m.yieldStress),
-      "it is positive; infinite for a wall that never yields");
-  if (!(std::isfinite(m.hardening) && m.hardening >= 0))
-    throw ParameterError(fmt::format("{}: a hardening of {} Pa", name, m.hardening), "it is finite and not negative");
+  checkYield(m.yieldStress, m.hardening, name);
   return { elastic[0], elastic[1], elastic[2], m.yieldStress, m.hardening };
+}
+
+std::array<double, Hill::constants> hillConstants(const OrthotropicPlasticMaterial& m, const std::string& name)
+{
+  const auto elastic = orthotropicConstants<3>(m.elastic, PlaneState::Strain, name);
+  const double along = m.yieldStress;
+  checkYield(along, m.hardening, name);
+  const double across = m.yieldAcross.value_or(along);
+  const bool never = std::isinf(along);
+  if (never && ((m.yieldAcross && !std::isinf(across)) || (m.yieldShear && !std::isinf(*m.yieldShear))))
+    throw ParameterError(fmt::format("{}: yields across the axis or in shear, but never along it", name),
+      "give a yield stress along the axis that is finite, or none of the others");
+  if (!never && !(across > 0 && across < 2 * along))
+    throw ParameterError(
+      fmt::format("{}: a yield stress of {} Pa across the axis, and of {} Pa along it", name, across, along),
+      fmt::format("with the one along it Hill's criterion takes one between 0 and {:g} Pa", 2 * along));
+  if (!never && m.yieldShear && !(*m.yieldShear > 0 && std::isfinite(*m.yieldShear)))
+    throw ParameterError(
+      fmt::format("{}: a yield stress of {} Pa in shear", name, *m.yieldShear), "it is positive and finite");
+  const double r = never ? 1 : (along / across) * (along / across);
+  const double s = never || !m.yieldShear ? 2 + r : (along / *m.yieldShear) * (along / *m.yieldShear);
+  std::array<double, Hill::constants> c{};
+  std::copy(elastic.begin(), elastic.end(), c.begin());
+  c[Hill::yield] = along;
+  c[Hill::across] = r;
+  c[Hill::shear] = s;
+  c[Hill::hardening] = m.hardening;
+  return c;
 }
 
 template std::array<double, Isotropic::constants> isotropicConstants<2>(

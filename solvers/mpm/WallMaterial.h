@@ -1,6 +1,7 @@
 #pragma once
 
 #include "mpm/Hencky.h"
+#include "mpm/Hill.h"
 #include "mpm/Isotropic.h"
 #include "mpm/Orthotropic.h"
 
@@ -42,6 +43,19 @@ struct PlasticMaterial
   double hardening = 0;       ///< H, slope of the yield stress over the equivalent plastic strain [Pa]
 };
 
+/// A wall with one axis that yields along it and across it; in plane strain and in space.
+struct OrthotropicPlasticMaterial
+{
+  OrthotropicMaterial elastic{};
+  double yieldStress = 100e6; ///< X, pulled or pushed along the axis [Pa]; infinite: never yields
+  /// Y, across the axis [Pa], below 2 X; none: X.
+  std::optional<double> yieldAcross{};
+  /// S, in shear along the axis [Pa]; none: 1/S² = 2/X² + 1/Y², with which the yield stress goes from along to across
+  /// without an extremum between, and X/√3 where both are alike.
+  std::optional<double> yieldShear{};
+  double hardening = 0; ///< H, slope of the yield stress along over the equivalent plastic strain [Pa]
+};
+
 /// Constants of the laws.
 /// @param name of the phase, for messages
 /// @throws ParameterError: a value that is not finite, a material that is not positive definite (names the value that
@@ -54,6 +68,8 @@ template <int Dim>
   const OrthotropicMaterial& material, PlaneState state = PlaneState::Stress, const std::string& name = "wall");
 [[nodiscard]] std::array<double, Hencky::constants> henckyConstants(
   const PlasticMaterial& material, const std::string& name = "wall");
+[[nodiscard]] std::array<double, Hill::constants> hillConstants(
+  const OrthotropicPlasticMaterial& material, const std::string& name = "wall");
 
 [[nodiscard]] double shearModulus(const OrthotropicMaterial& material);
 

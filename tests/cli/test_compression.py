@@ -284,7 +284,7 @@ class Compression(Case):
              ["--poisson", "1.1"]),
             (2, "poisson 'x' is not a number", "--poisson NUMBER", ["--poisson", "wall=x"]),
             (2, "--young names 'wal'", "did you mean 'wall'?", ["--young", "wal=1e9"]),
-            (2, "yield counts only with law plastic", "choose law plastic", ["--yield", "1e8"]),
+            (2, "yield counts only with law plastic or orthotropic-plastic", "choose law", ["--yield", "1e8"]),
             (2, "young 0 is not above 0", "above 0", ["--young", "0"]),
             (2, "1e-300", "", ["--young", "wall=1e-300"]),
             (2, "1e+308", "", ["--density", "1e308"]),

@@ -2,6 +2,7 @@
 #include "PointChance.h"
 
 #include "core/Error.h"
+#include "mpm/MaterialPoints.h"
 #include "mpm/NeoHookean.h"
 
 #include <gtest/gtest.h>
@@ -104,7 +105,7 @@ struct Material
   }
   Matrix<Dim> hooke(const Matrix<Dim>& e, const Vector<Dim>& axis) const { return Law::hooke(c.data(), e, axis); }
 
-  static constexpr double fresh[3] = { 0, 0, 0 };
+  static constexpr double fresh[MaterialPoints<Dim>::mostHistory] = {};
 };
 
 template <int Dim>
@@ -126,6 +127,12 @@ Material<Hencky, Dim> hencky(
   return { henckyConstants({ m, yieldStress, hardening }) };
 }
 
+template <int Dim>
+Material<Hill, Dim> hill(const OrthotropicMaterial& m)
+{
+  return { hillConstants({ m, std::numeric_limits<double>::infinity() }) };
+}
+
 template <int Dim, class Test>
 void everyLaw(const Test& test)
 {
@@ -138,6 +145,7 @@ void everyLaw(const Test& test)
       break;
   }
   test(hencky<Dim>(plain));
+  test(hill<Dim>(wall));
 }
 
 template <int Dim>

@@ -29,7 +29,17 @@ namespace lamella
 namespace
 {
 
-constexpr std::array<const char*, 3> laws{ "isotropic", "orthotropic", "plastic" };
+constexpr std::array<const char*, 4> laws{ "isotropic", "orthotropic", "plastic", "orthotropic-plastic" };
+
+/// Whether walls have an axis, and whether they yield.
+bool hasAxis(WallLaw law)
+{
+  return law == WallLaw::Orthotropic || law == WallLaw::OrthotropicPlastic;
+}
+bool yields(WallLaw law)
+{
+  return law == WallLaw::Plastic || law == WallLaw::OrthotropicPlastic;
+}
 
 /// The constants that a law has.
 bool belongs(WallConstant constant, WallLaw law)
@@ -39,10 +49,13 @@ bool belongs(WallConstant constant, WallLaw law)
     case WallConstant::Transverse:
     case WallConstant::TransversePoisson:
     case WallConstant::Shear:
-      return law == WallLaw::Orthotropic;
+      return hasAxis(law);
     case WallConstant::Yield:
     case WallConstant::Hardening:
-      return law == WallLaw::Plastic;
+      return yields(law);
+    case WallConstant::TransverseYield:
+    case WallConstant::ShearYield:
+      return law == WallLaw::OrthotropicPlastic;
     default:
       return true;
   }
@@ -121,7 +134,7 @@ PointScene::PointScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInfo
   const char* const axes = named ? axisChoice->Get(vtkDataObject::FIELD_NAME()) : "axis";
   const bool directed = team.any(piece->GetPointData()->HasArray(axes) != 0);
   law_ = settings.law.value_or(directed ? WallLaw::Orthotropic : WallLaw::Isotropic);
-  if (law_ == WallLaw::Orthotropic)
+  if (hasAxis(law_))
   {
     const NodeVectors vectors = vectorsOf(piece, axisChoice, "axis",
       "give the directions along the walls, as MicrographLattice does, take the isotropic law", lattice_.dimension,
@@ -131,11 +144,10 @@ PointScene::PointScene(vtkImageData* piece, vtkInformation* phaseChoice, vtkInfo
     directions_.resize(phase_.size());
     inward.run<std::array<float, 3>>(held, directions_);
   }
-  const bool yields = law_ == WallLaw::Plastic;
-  plane_ = settings.plane.value_or(yields ? mpm::PlaneState::Strain : mpm::PlaneState::Stress);
+  plane_ = settings.plane.value_or(yields(law_) ? mpm::PlaneState::Strain : mpm::PlaneState::Stress);
   if (lattice_.dimension == 3 && settings.plane)
     throw ParameterError("plane stress or plane strain of a volume", "leave it out: volumes are solved in space");
-  if (yields && lattice_.dimension == 2 && plane_ == mpm::PlaneState::Stress)
+  if (yields(law_) && lattice_.dimension == 2 && plane_ == mpm::PlaneState::Stress)
     throw ParameterError("walls that yield in plane stress", "take plane strain, or a volume");
   checkConstants();
   shareOut();
@@ -256,7 +268,7 @@ double PointScene::value(std::size_t id, WallConstant constant) const
   const double v = held(id, constant) ? entryOf(settings_.ofPhase, phases_.names, id)->second.at(constant)
                                       : settings_.wall[static_cast<std::size_t>(constant)];
   return constant != WallConstant::Young || v != 0 || held(id, constant) ? v
-    : law_ == WallLaw::Orthotropic                                       ? mpm::OrthotropicMaterial().along
+    : hasAxis(law_)                                                      ? mpm::OrthotropicMaterial().along
                                                                          : mpm::IsotropicMaterial().youngsModulus;
 }
 
@@ -296,8 +308,9 @@ std::vector<std::string> PointScene::warnings() const
         each, static_cast<int>(std::ceil(2 * settings_.cellsPerNode))));
   }
   const mpm::OrthotropicMaterial own;
-  const std::array<std::pair<WallConstant, double>, 3> across{ { { WallConstant::Transverse, own.across },
-    { WallConstant::TransversePoisson, own.acrossRatio }, { WallConstant::Shear, 0 } } };
+  const std::array<std::pair<WallConstant, double>, 5> across{ { { WallConstant::Transverse, own.across },
+    { WallConstant::TransversePoisson, own.acrossRatio }, { WallConstant::Shear, 0 },
+    { WallConstant::TransverseYield, 0 }, { WallConstant::ShearYield, 0 } } };
   for (const auto& [constant, usual] : across)
   {
     if (const double given = settings_.wall[static_cast<std::size_t>(constant)];
@@ -354,7 +367,9 @@ mpm::MaterialPoints<Dim> PointScene::points() const
   mpm::PointOptions options;
   options.perNode = settings_.perNode;
   options.empty = empty_;
-  options.history = law_ == WallLaw::Plastic ? mpm::Hencky::history : 0;
+  options.history = law_ == WallLaw::Plastic ? mpm::Hencky::history
+    : law_ == WallLaw::OrthotropicPlastic    ? mpm::Hill::history
+                                             : 0;
   options.density.clear();
   for (std::size_t id = 0; id < nodes_.size(); ++id)
     options.density.push_back(value(id, WallConstant::Density));
@@ -388,6 +403,7 @@ std::shared_ptr<const mpm::PointLaw<Dim>> PointScene::law() const
   std::vector<std::array<double, mpm::Isotropic::constants>> isotropic;
   std::vector<std::array<double, mpm::Orthotropic::constants>> orthotropic;
   std::vector<std::array<double, mpm::Hencky::constants>> plastic;
+  std::vector<std::array<double, mpm::Hill::constants>> both;
   std::size_t some = 0; // phase of points: those without points are like it
   while (!solid(some))
     ++some;
@@ -419,12 +435,32 @@ std::shared_ptr<const mpm::PointLaw<Dim>> PointScene::law() const
       if (const double shear = of(WallConstant::Shear); shear != 0 || held(id, WallConstant::Shear))
         m.shearModulus = shear;
       m.barrier = wall.barrier;
-      orthotropic.push_back(mpm::orthotropicConstants<Dim>(m, plane_, name));
+      if (law_ == WallLaw::Orthotropic)
+      {
+        orthotropic.push_back(mpm::orthotropicConstants<Dim>(m, plane_, name));
+        continue;
+      }
+      const auto given = [&](WallConstant constant) -> std::optional<double>
+      {
+        const double v = of(constant);
+        return v != 0 || held(id, constant) ? std::optional(v) : std::nullopt;
+      };
+      both.push_back(mpm::hillConstants({ m, of(WallConstant::Yield), given(WallConstant::TransverseYield),
+                                          given(WallConstant::ShearYield), of(WallConstant::Hardening) },
+        name));
     }
   }
-  return law_ == WallLaw::Isotropic ? mpm::makeLaw<Dim, mpm::Isotropic>(isotropic, plane_)
-    : law_ == WallLaw::Plastic      ? mpm::makeLaw<Dim, mpm::Hencky>(plastic)
-                                    : mpm::makeLaw<Dim, mpm::Orthotropic>(orthotropic, plane_);
+  switch (law_)
+  {
+    case WallLaw::Isotropic:
+      return mpm::makeLaw<Dim, mpm::Isotropic>(isotropic, plane_);
+    case WallLaw::Plastic:
+      return mpm::makeLaw<Dim, mpm::Hencky>(plastic);
+    case WallLaw::OrthotropicPlastic:
+      return mpm::makeLaw<Dim, mpm::Hill>(both);
+    default:
+      return mpm::makeLaw<Dim, mpm::Orthotropic>(orthotropic, plane_);
+  }
 }
 
 mpm::Bodies PointScene::bodies(const std::map<std::string, double>& frictions) const

@@ -32,7 +32,8 @@ enum class WallLaw : std::uint8_t
 {
   Isotropic,
   Orthotropic,
-  Plastic
+  Plastic,
+  OrthotropicPlastic
 };
 
 /// Constants of a wall, in the order of constantNames.
@@ -44,14 +45,16 @@ enum class WallConstant : std::uint8_t
   TransversePoisson, ///< among the directions across it
   Shear,             ///< [Pa]; 0: from the others
   Barrier,           ///< over the greatest normal stiffness
-  Yield,             ///< [Pa]
+  Yield,             ///< [Pa]; along the axis where there is one
+  TransverseYield,   ///< [Pa], across the axis; 0: as along it
+  ShearYield,        ///< [Pa], in shear along the axis; 0: from the others
   Hardening,         ///< [Pa]
   Density            ///< [kg/m³]
 };
-inline constexpr std::size_t wallConstants = 9;
+inline constexpr std::size_t wallConstants = 11;
 /// As they are written.
 inline constexpr std::array<const char*, wallConstants> wallConstantNames{ "young", "transverse", "poisson",
-  "transverse-poisson", "shear", "barrier", "yield", "hardening", "density" };
+  "transverse-poisson", "shear", "barrier", "yield", "transverse-yield", "shear-yield", "hardening", "density" };
 
 /// How an image becomes points, as people say it.
 struct PointSettings

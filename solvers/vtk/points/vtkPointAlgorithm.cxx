@@ -75,7 +75,8 @@ lamella::PointSettings vtkPointAlgorithm::Settings() const
   if (this->Plane != AUTO_PLANE)
     s.plane = this->Plane == PLANE_STRESS ? lamella::mpm::PlaneState::Stress : lamella::mpm::PlaneState::Strain;
   s.wall = { this->YoungsModulus, this->TransverseModulus, this->PoissonsRatio, this->TransversePoissonsRatio,
-    this->ShearModulus, this->Barrier, this->YieldStress, this->Hardening, this->Density };
+    this->ShearModulus, this->Barrier, this->YieldStress, this->TransverseYieldStress, this->ShearYieldStress,
+    this->Hardening, this->Density };
   for (const auto& [phase, constants] : this->Internal->Constants)
     for (const auto& [name, value] : constants)
       s.ofPhase[phase][lamella::wallConstant(name)] = value;

@@ -47,10 +47,12 @@ public:
                   ///< directions along the walls, else isotropic
     ISOTROPIC = 1,
     ORTHOTROPIC = 2,
-    PLASTIC = 3 ///< "Plastic": isotropic, yields (J2, linear hardening); in plane strain and in space
+    PLASTIC = 3,            ///< "Plastic": isotropic, yields (J2, linear hardening); in plane strain and in space
+    ORTHOTROPIC_PLASTIC = 4 ///< "Orthotropic, plastic": orthotropic, yields by Hill's criterion on the wall's axes
+                            ///< (linear hardening); in plane strain and in space
   };
   /**
-   * Law of all walls, for large rotations. Plastic walls are isotropic and yield, in plane strain and in space.
+   * Law of all walls, for large rotations. Plastic walls yield, in plane strain and in space.
    * @group Walls
    * @choice Laws
    */
@@ -85,7 +87,7 @@ public:
    * @word transverse
    * @group Walls
    * @unit Pa
-   * @when Law AUTO_LAW ORTHOTROPIC
+   * @when Law AUTO_LAW ORTHOTROPIC ORTHOTROPIC_PLASTIC
    * @range (0, inf)
    */
   vtkSettingMacro(TransverseModulus, double, 6.4e9);
@@ -100,7 +102,7 @@ public:
    * Orthotropic: Poisson's ratio among the directions across the axis.
    * @word transverse-poisson
    * @group Walls
-   * @when Law AUTO_LAW ORTHOTROPIC
+   * @when Law AUTO_LAW ORTHOTROPIC ORTHOTROPIC_PLASTIC
    * @advanced
    * @range (-1, 1)
    */
@@ -112,7 +114,7 @@ public:
    * @unit Pa
    * @range (0, inf)
    * @unset 0
-   * @when Law AUTO_LAW ORTHOTROPIC
+   * @when Law AUTO_LAW ORTHOTROPIC ORTHOTROPIC_PLASTIC
    * @advanced
    */
   vtkSettingMacro(ShearModulus, double, 0);
@@ -124,20 +126,41 @@ public:
    */
   vtkSettingMacro(Barrier, double, 1);
   /**
-   * Plastic: stress at which walls yield [Pa].
+   * Plastic: stress at which walls yield [Pa], along the axis where there is one.
    * @word yield, yield_stress
    * @group Walls
    * @unit Pa
-   * @when Law PLASTIC
+   * @when Law PLASTIC ORTHOTROPIC_PLASTIC
    * @range (0, inf]
    */
   vtkSettingMacro(YieldStress, double, 1e8);
   /**
-   * Plastic: slope of the yield stress over the plastic strain [Pa].
+   * Orthotropic, plastic: stress at which walls yield across the axis [Pa], below twice that along it. 0: as along it.
+   * @word transverse-yield
+   * @group Walls
+   * @unit Pa
+   * @when Law ORTHOTROPIC_PLASTIC
+   * @range (0, inf)
+   * @unset 0
+   */
+  vtkSettingMacro(TransverseYieldStress, double, 0);
+  /**
+   * Orthotropic, plastic: shear stress along the axis at which walls yield [Pa]. 0: from the others.
+   * @word shear-yield
+   * @group Walls
+   * @unit Pa
+   * @when Law ORTHOTROPIC_PLASTIC
+   * @range (0, inf)
+   * @unset 0
+   * @advanced
+   */
+  vtkSettingMacro(ShearYieldStress, double, 0);
+  /**
+   * Plastic: slope of the yield stress over the plastic strain [Pa], along the axis where there is one.
    * @group Walls
    * @unit Pa
    * @range [0, inf)
-   * @when Law PLASTIC
+   * @when Law PLASTIC ORTHOTROPIC_PLASTIC
    */
   vtkSettingMacro(Hardening, double, 0);
   /**
@@ -151,9 +174,9 @@ public:
 
   ///@{
   /**
-   * A constant of one phase: young, transverse, poisson, transverse-poisson, shear, barrier, yield, hardening or
-   * density. An empty name is ignored (an empty row in a panel). The update fails for another constant, and for a
-   * phase that the image does not know.
+   * A constant of one phase: young, transverse, poisson, transverse-poisson, shear, barrier, yield, transverse-yield,
+   * shear-yield, hardening or density. An empty name is ignored (an empty row in a panel). The update fails for another
+   * constant, and for a phase that the image does not know.
    * @title Constants of single phases [SI]: phase, constant, value
    * @group Walls
    * @columns Phase, Constant, Value [SI]
