@@ -8,6 +8,33 @@
 
 namespace lamella::mpm
 {
+namespace
+{
+
+template <int Dim>
+bool hasAffine(const PointDynamicsOptions<Dim>& options)
+{
+  return options.transfer == Transfer::Apic && options.shape == Shape::QuadraticSpline;
+}
+
+/// What a point's kinetic energy is half its mass times, what its affine velocity holds included.
+template <int Dim>
+double velocitySquared(const BackgroundGrid<Dim>& grid, const Vector<Dim>& v, const Matrix<Dim>& affine)
+{
+  double squares = 0;
+  for (int a = 0; a < Dim; ++a)
+  {
+    squares += v[a] * v[a];
+    for (int b = 0; b < Dim; ++b)
+    {
+      const double c = affine(a, b) * grid.axis(b).spacing;
+      squares += c * c / 4;
+    }
+  }
+  return squares;
+}
+
+} // namespace
 
 template <int Dim>
 double PointDynamics<Dim>::gravityMoment() const
@@ -45,23 +72,12 @@ double PointDynamics<Dim>::kineticEnergy() const
 {
   using Points = MaterialPoints<Dim>;
   const auto mass = points_.column(Points::masses);
-  const bool affine = options_.transfer == Transfer::Apic && options_.shape == Shape::QuadraticSpline;
+  const bool withAffine = hasAffine(options_);
   return sumOver(
     [&](std::size_t p)
     {
-      const Matrix<Dim> C = affine ? this->affine(p) : Matrix<Dim>{};
-      double squares = 0;
-      for (int a = 0; a < Dim; ++a)
-      {
-        const double v = points_.column(Points::velocities + a)[p];
-        squares += v * v;
-        for (int b = 0; b < Dim && affine; ++b)
-        {
-          const double c = C(a, b) * grid_.axis(b).spacing;
-          squares += c * c / 4;
-        }
-      }
-      return mass[p] * squares / 2;
+      const Matrix<Dim> c = withAffine ? affine(p) : Matrix<Dim>{};
+      return mass[p] * velocitySquared(grid_, points_.vector(Points::velocities, p), c) / 2;
     });
 }
 
@@ -96,8 +112,22 @@ template <int Dim>
 double PointDynamics<Dim>::changeVelocities(double keep, double add, int axis, double rate, double still)
 {
   using Points = MaterialPoints<Dim>;
-  const double before = kineticEnergy();
   const auto x = points_.column(axis);
+  const auto mass = points_.column(Points::masses);
+  const bool withAffine = hasAffine(options_);
+  const double more = (1 - keep + add) * rate;
+  const double gained = sumOver( // C, which is not at hand, is found once
+    [&](std::size_t p)
+    {
+      Vector<Dim> v = points_.vector(Points::velocities, p);
+      Matrix<Dim> c = withAffine ? affine(p) : Matrix<Dim>{};
+      const double before = velocitySquared(grid_, v, c);
+      for (int a = 0; a < Dim; ++a)
+        v[a] = keep * v[a] + (a == axis ? more * (x[p] - still) : 0);
+      for (int i = 0; i < Dim * Dim; ++i)
+        c.m[i] = keep * c.m[i] + (withAffine && i == axis * (Dim + 1) ? more : 0);
+      return mass[p] * (velocitySquared(grid_, v, c) - before) / 2;
+    });
   for (int a = 0; a < Dim; ++a)
   {
     const double own = a == axis ? rate : 0;
@@ -107,10 +137,10 @@ double PointDynamics<Dim>::changeVelocities(double keep, double add, int axis, d
       v[p] = keep * v[p] + (1 - keep + add) * own * (x[p] - still);
   }
   if (fused_)
-    fused_->change(keep, axis, (1 - keep + add) * rate, still);
+    fused_->change(keep, axis, more, still);
   else
-    points_.changeAffines(keep, axis, (1 - keep + add) * rate);
-  return kineticEnergy() - before;
+    points_.changeAffines(keep, axis, more);
+  return gained;
 }
 
 template <int Dim>
