@@ -68,6 +68,14 @@ EventHierarchy::EventHierarchy(
   restrictAll();
 }
 
+// In space the matrices are most of the memory, and what products wait for.
+MultigridOptions EventHierarchy::multigridOptions(int dimension) noexcept
+{
+  MultigridOptions options;
+  options.packFrom = dimension == 3 ? options.gather : 0;
+  return options;
+}
+
 void EventHierarchy::prepare()
 {
   const NodeLayout& l = bonds_.layout();
@@ -109,7 +117,8 @@ void EventHierarchy::build()
     levels_.emplace_back(bonds_.layout());
   }
   multigrid_.reset(); // there is room for one
-  multigrid_ = std::make_unique<BondMultigrid>(bonds_, fixed_, MultigridOptions{}, &levels_.front().change);
+  multigrid_ =
+    std::make_unique<BondMultigrid>(bonds_, fixed_, multigridOptions(bonds_.dimension()), &levels_.front().change);
   multigrid_->shareOut(share_);
   levels_.front().change.fill(0);
   for (std::size_t k = 0; k < multigrid_->levelCount(); ++k)
@@ -258,7 +267,8 @@ double EventHierarchy::breakBond(std::int64_t index, int offset)
   const Bond bond = bonds_.bond(index, offset);
   bonds_.breakBonds({ &bond, 1 });
   multigrid_->subtract(spring);
-  freed_ += std::abs(spring.stiffness * along);
+  const double force = std::abs(spring.stiffness * along);
+  freed_ += l.dimension == 3 ? force * force : force;
   slow_.breakBond(index, offset, spring.stiffness);
   return spring.stiffness;
 }

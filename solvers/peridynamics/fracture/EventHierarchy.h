@@ -45,6 +45,8 @@ public:
   };
   EventHierarchy(BondLattice& bonds, const FixedComponents& fixed, Renewed state, const Communicator& team = alone());
   [[nodiscard]] static const Communicator& alone();
+  /// How the matrices of the levels are made.
+  [[nodiscard]] static MultigridOptions multigridOptions(int dimension) noexcept;
   /// Collapses all into the base, and makes matrices and residuals anew: all that follows depends on the bonds, the
   /// base and the reference alone. As much work as some ten iterations of a global correction.
   void renew();
@@ -98,7 +100,8 @@ public:
   /// The last global correction had hardly more to do than was asked for, in space.
   [[nodiscard]] bool little() const noexcept { return little_; }
   /// Of the reference: what breaks have left of the residual force since it was last measured, by what they left
-  /// before, and twice that.
+  /// before. In the plane twice that; in space what one leaves is rough and lies in the whole lattice, so that squares
+  /// add up.
   [[nodiscard]] double expectedResidual() const noexcept;
   /// Forces on all nodes, after a global correction only: those on fixed components are reactions.
   [[nodiscard]] const NodeField<float>& force() const noexcept
@@ -176,8 +179,8 @@ private:
   bool looked_ = false;        ///< the last one was such
   bool little_ = false;        ///< see little()
   double size_ = unmeasured;   ///< norm of the residual force after that
-  double freed_ = 0;           ///< force of the bonds that have broken since, all added up
-  double left_ = unmeasured;   ///< share of it that local corrections leave
+  double freed_ = 0;           ///< force of the bonds that have broken since, added up; in space its squares
+  double left_ = unmeasured;   ///< share of it that local corrections leave; in space of the root
 
   std::vector<Box> inner_; ///< windows of the levels
   std::vector<Box> outer_; ///< what their product reaches

@@ -6,6 +6,7 @@
 #include "peridynamics/BondForces.h"
 #include "peridynamics/RimExchange.h"
 #include "peridynamics/fracture/CrackContact.h"
+#include "peridynamics/fracture/EventHierarchy.h"
 #include "peridynamics/fracture/FractureCheckpoint.h"
 #include "peridynamics/fracture/LoosePieces.h"
 #include "peridynamics/fracture/PlatenForce.h"
@@ -276,8 +277,11 @@ double fractureBytes(
   const double states = options.keep && options.displacement ? multigridBytes(levels, rim).held + 3 * 8 * d * nodes : 0;
   // the state before, and the way from it
   const double contact = options.fracture.contact ? 2 * 8 * d * nodes : 0;
-  return elasticBytes(model, lattice, grains, elastic, ranks) + checkpoint + states + contact + 4 * 4 * d * onLevels +
-    nodes * (8 + (options.displacement ? 16 * d : 0) + 8 * 3);
+  const double packed = methodOf(options, model) == FractureMethod::Events ? multigridBytes(levels, rim).held -
+      multigridBytes(levels, rim, EventHierarchy::multigridOptions(lattice.dimension).packFrom).held
+                                                                           : 0;
+  return elasticBytes(model, lattice, grains, elastic, ranks) - packed + checkpoint + states + contact +
+    4 * 4 * d * onLevels + nodes * (8 + (options.displacement ? 16 * d : 0) + 8 * 3);
 }
 
 FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std::span<const std::uint8_t> phase,

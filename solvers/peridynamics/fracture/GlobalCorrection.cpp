@@ -107,7 +107,8 @@ void EventHierarchy::learn(double size)
   constexpr double forget = 0.8;
   if (freed_ > 0 && std::isfinite(size_))
   {
-    const double left = std::max(0.0, size - size_) / freed_;
+    const double left = bonds_.dimension() == 3 ? std::sqrt(std::max(0.0, size * size - size_ * size_) / freed_)
+                                                : std::max(0.0, size - size_) / freed_;
     left_ = std::isfinite(left_) ? std::max(left, forget * left_) : left;
   }
   freed_ = 0;
@@ -116,6 +117,8 @@ void EventHierarchy::learn(double size)
 double EventHierarchy::expectedResidual() const noexcept
 {
   constexpr double safety = 2;
+  if (bonds_.dimension() == 3)
+    return (freed_ > 0 ? std::sqrt(size_ * size_ + left_ * left_ * freed_) : size_) / reference_;
   const double left = freed_ > 0 ? safety * left_ * freed_ : 0;
   return (size_ + left) / reference_;
 }

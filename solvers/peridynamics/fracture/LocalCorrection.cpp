@@ -37,6 +37,7 @@ void EventHierarchy::product(std::size_t k, const Box& box, const NodeField<floa
       level.pointTo(row, i);
       levelKernels().subtractProduct(l.dimension, n, row);
     });
+  level.addBroken(u, out, box.low, box.high);
 }
 
 // Conjugate gradients, preconditioned by the nodes' blocks, on a level's window.

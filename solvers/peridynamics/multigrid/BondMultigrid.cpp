@@ -76,6 +76,7 @@ BondMultigrid::BondMultigrid(
     coarsest_.emplace(*levels_.back());
   for (const auto& level : levels_)
     level->arrange();
+  translation_ = NodeField<float>();
 }
 
 NodeField<float> BondMultigrid::buildFinest()
@@ -147,16 +148,100 @@ void BondMultigrid::coarsen(const MatrixRows& rows)
   coarse->periodic = fine.periodic;
   coarse->comm = fine.comm;
   coarse->rim = LevelRim(coarse->layout, coarse->periodic, *coarse->comm);
-  galerkinProduct(rows, l, *coarse);
+  const bool pack = options_.packFrom > 0 && coarse->layout.owned() >= options_.packFrom && coarse->rimless();
+  galerkinProduct(rows, l, *coarse, pack);
+  if (coarse->packed())
+    balance(rows, *coarse);
   addLevel(std::move(coarse));
 }
 
 void BondMultigrid::addLevel(std::unique_ptr<Level> level)
 {
   level->allocateVectors();
-  invertBlocks(level->diagonal, level->inverse);
+  invertBlocks(level->diagonal, level->inverse, level->packed() ? singularShareOfPacked : singularShare);
   levels_.push_back(std::move(level));
   estimateSpectrum(levels_.size() - 1);
+}
+
+// What a translation costs is that at fixed nodes alone, whatever rounding did to the blocks: diagonal blocks are that
+// less the others of their row.
+void BondMultigrid::balance(const MatrixRows& rows, Level& coarse)
+{
+  const Level& fine = *levels_.back();
+  if (levels_.size() == 1)
+    translate(rows);
+  const NodeLayout& f = fine.layout;
+  const NodeLayout& l = coarse.layout;
+  const int d = l.dimension;
+  const int entries = coarse.entries();
+  NodeField<float> sums(l, entries);
+  const std::int64_t reachZ = d == 3 ? 1 : 0;
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      for (std::int64_t dz = -reachZ; dz <= reachZ; ++dz)
+        for (std::int64_t dy = -1; dy <= 1; ++dy)
+          if (2 * y + dy < f.size[1] && 2 * z + dz < f.size[2])
+            for (int e = 0; e < entries; ++e)
+              levelKernels().restrictRow(l.size[0], (dy == 0 ? 1.0F : 0.5F) * (dz == 0 ? 1.0F : 0.5F),
+                translation_.component(e) + f.index(0, 2 * y + dy, 2 * z + dz), sums.component(e) + i);
+      for (int e = 0; e < entries; ++e)
+      {
+        float* to = coarse.diagonal.component(e) + i;
+        std::copy_n(sums.component(e) + i, l.size[0], to);
+        for (std::size_t q = 0; q < coarse.half.size(); ++q)
+        {
+          const auto& s = coarse.half[q];
+          const int component = static_cast<int>(q) * entries + e;
+          const bool mirrored = y - s[1] >= 0 && y - s[1] < l.size[1] && z - s[2] >= 0;
+          for (std::int64_t x = 0; x < l.size[0]; ++x)
+          {
+            to[x] -= coarse.value(component, i + x);
+            if (mirrored && x - s[0] >= 0 && x - s[0] < l.size[0])
+              to[x] -= coarse.value(component, l.index(x - s[0], y - s[1], z - s[2]));
+          }
+        }
+      }
+    });
+  translation_ = std::move(sums);
+}
+
+// Of the finest level: the springs that lead to fixed nodes, and what holds a partly fixed one.
+void BondMultigrid::translate(const MatrixRows& rows)
+{
+  Level& top = *levels_.front();
+  const NodeLayout& l = top.layout;
+  const int d = l.dimension;
+  const std::uint8_t all = allComponents(d);
+  translation_ = NodeField<float>(l, top.entries());
+  for (int c = 0; c < d; ++c)
+  {
+    for (int a = 0; a < d; ++a)
+      for (std::int64_t i = 0; i < l.count(); ++i)
+        top.d.component(a)[i] = a == c && fixed_[i] != all ? 1.0F : 0.0F;
+    linearForce(bonds_, top.d, force_); // −A d
+    for (int e = 0; e < top.entries(); ++e)
+      if (entryColumn[d - 2][e] == c)
+        for (std::int64_t i = 0; i < l.count(); ++i)
+          translation_.component(e)[i] = -force_.component(entryRow[d - 2][e])[i];
+  }
+  std::vector<float> diagonal(static_cast<std::size_t>(l.pitch * top.entries()));
+  for (const std::int64_t i : fixedNodes_)
+  {
+    if (fixed_[i] != all)
+    {
+      const std::array<std::int64_t, 3> n = l.node(i);
+      rows.diagonal(n[1], n[2], diagonal.data(), l.pitch);
+      for (int c = 0; c < d; ++c)
+        if ((fixed_[i] >> c & 1U) != 0)
+          translation_.component(c)[i] +=
+            diagonal[static_cast<std::size_t>(c * l.pitch + n[0])] * (fixedSpring / (1 + fixedSpring));
+      continue;
+    }
+    for (int e = 0; e < top.entries(); ++e)
+      translation_.component(e)[i] = 0;
+  }
 }
 
 // The same lattice, whole on every rank, which then does the rest for itself.

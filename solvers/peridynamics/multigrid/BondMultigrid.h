@@ -81,6 +81,8 @@ private:
   [[nodiscard]] bool coarsenable() const;
   [[nodiscard]] int reach(const Level& level) const;
   void coarsen(const MatrixRows& rows);
+  void balance(const MatrixRows& rows, Level& coarse);
+  void translate(const MatrixRows& rows);
   void gather();
   void addLevel(std::unique_ptr<Level> level);
   void gatherField(const Level& part, const NodeField<float>& field, const Level& whole, NodeField<float>& out) const;
@@ -112,6 +114,7 @@ private:
   NodeField<float> ownForce_;            ///< where no field was given
   NodeField<float>& force_;              ///< of the finest level
   std::vector<NodeField<float>> traces_; ///< of the coarse levels' diagonal blocks before the first bond broke
+  NodeField<float> translation_;         ///< A (1, …, 1) by entries, of the last level while there are more to come
   std::optional<CoarsestLevel> coarsest_;
   std::int64_t products_ = 0;
   std::int64_t hinges_ = 0;

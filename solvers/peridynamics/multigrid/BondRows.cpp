@@ -6,14 +6,6 @@
 
 namespace lamella::peridynamics
 {
-namespace
-{
-
-// A partly fixed node's fixed components are held by springs so much stiffer than its own.
-constexpr float penalty = 1e3F;
-
-} // namespace
-
 MatrixRows rowsOfBonds(const BondLattice& bonds, const FixedComponents& fixed, const NodeField<float>& diagonal)
 {
   const NodeLayout& l = bonds.layout();
@@ -84,7 +76,18 @@ MatrixRows rowsOfBonds(const BondLattice& bonds, const FixedComponents& fixed, c
       else if (bits != 0)
         for (int c = 0; c < d; ++c)
           if ((bits >> c & 1U) != 0)
-            out[c * stride + i] *= 1 + penalty;
+            out[c * stride + i] *= 1 + fixedSpring;
+  };
+  rows.stiffness = [&diagonal, &fixed, l, d](std::int64_t y, std::int64_t z, float* out)
+  {
+    const std::int64_t first = l.index(0, y, z);
+    for (std::int64_t i = 0; i < l.size[0]; ++i)
+    {
+      out[i] = 0;
+      for (int c = 0; c < d; ++c)
+        if ((fixed[first + i] >> c & 1U) == 0)
+          out[i] = std::max(out[i], diagonal.component(c)[first + i]);
+    }
   };
   return rows;
 }

@@ -12,9 +12,6 @@ namespace
 // What is left of a diagonal block once all of its bonds are gone: round-off, of the block that there was.
 constexpr double roundOff = 1e-5;
 
-constexpr int entryRow[2][6] = { { 0, 1, 0 }, { 0, 1, 2, 0, 1, 0 } };
-constexpr int entryColumn[2][6] = { { 0, 1, 1 }, { 0, 1, 2, 1, 2, 2 } };
-
 using Node = SpringWeights::Node;
 
 std::vector<Node> restricted(const std::vector<Node>& fine)
@@ -43,6 +40,32 @@ std::vector<Node> restricted(const std::vector<Node>& fine)
   }
   std::erase_if(coarse, [](const Node& n) { return n.weight == 0; }); // exact: sums of powers of two
   return coarse;
+}
+
+// More of them take longer in a product than packing them with the matrix.
+constexpr std::size_t mostSprings = 512;
+
+void remember(Level& level, const SpringWeights& spring, const std::vector<Node>& nodes)
+{
+  if (nodes.empty())
+    return;
+  BrokenSpring broken;
+  broken.stiffness = static_cast<float>(spring.stiffness);
+  for (std::size_t a = 0; a < 3; ++a)
+    broken.direction[a] = static_cast<float>(spring.direction[a]);
+  broken.low = broken.high = nodes.front().node;
+  for (const Node& n : nodes)
+  {
+    for (std::size_t a = 0; a < 3; ++a)
+    {
+      broken.low[a] = std::min(broken.low[a], n.node[a]);
+      broken.high[a] = std::max(broken.high[a], n.node[a] + 1);
+    }
+    broken.nodes.push_back({ level.layout.index(n.node[0], n.node[1], n.node[2]), static_cast<float>(n.weight) });
+  }
+  level.broken.push_back(std::move(broken));
+  if (level.broken.size() >= mostSprings)
+    level.foldBroken();
 }
 
 } // namespace
@@ -127,14 +150,19 @@ void BondMultigrid::subtract(const SpringWeights& spring)
           continue; // its mirror image is stored
         const int first = sign == 0 ? 0 : forwardIndex(l.ghost, step) * level.entries();
         const std::int64_t at = l.index(a.node[0], a.node[1], a.node[2]);
+        if (sign != 0 && level.packed())
+          continue;
         for (int e = 0; e < level.entries(); ++e)
           (sign == 0 ? level.diagonal.component(e)[at] : level.block(first + e, at)) -=
             static_cast<float>(a.weight * b.weight * tensor[static_cast<std::size_t>(e)]);
       }
+    if (level.packed())
+      remember(level, spring, nodes);
     for (const Node& n : nodes)
     {
       const std::int64_t i = l.index(n.node[0], n.node[1], n.node[2]);
-      invertBlock(level.diagonal, level.inverse, i, roundOff * static_cast<double>(traces_[k].component(0)[i]));
+      invertBlock(level.diagonal, level.inverse, i,
+        (level.packed() ? singularShareOfPacked : roundOff) * static_cast<double>(traces_[k].component(0)[i]));
     }
   }
   if (levels_.size() < 2 || !coarsest_)
@@ -144,8 +172,10 @@ void BondMultigrid::subtract(const SpringWeights& spring)
     for (int c = 0; c < d; ++c)
       v.emplace_back(CoarsestLevel::number(levels_.back()->layout, n.node[0], n.node[1], n.node[2], c),
         n.weight * spring.direction[static_cast<std::size_t>(c)]);
-  if (!coarsest_->subtract(v, spring.stiffness))
-    coarsest_.emplace(*levels_.back());
+  if (coarsest_->subtract(v, spring.stiffness))
+    return;
+  levels_.back()->foldBroken();
+  coarsest_.emplace(*levels_.back());
 }
 
 } // namespace lamella::peridynamics

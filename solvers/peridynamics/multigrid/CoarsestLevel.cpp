@@ -64,7 +64,7 @@ CoarsestLevel::CoarsestLevel(const Level& level)
             for (int q = 0; q < d; ++q)
             {
               const double v =
-                static_cast<double>(level.block(static_cast<int>(h) * level.entries() + entryOf(p, q), i));
+                static_cast<double>(level.value(static_cast<int>(h) * level.entries() + entryOf(p, q), i));
               add(row + p, column + q, v);
               add(column + q, row + p, v);
             }

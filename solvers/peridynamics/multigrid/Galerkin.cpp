@@ -3,6 +3,7 @@
 #include "peridynamics/multigrid/Fold.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace lamella::peridynamics
 {
@@ -159,6 +160,7 @@ public:
     , seam_(split_.size())
     , sums_((coarse.half.size() + 1) * static_cast<std::size_t>(coarse.layout.pitch))
     , touched_(coarse.half.size() + 1, 0)
+    , whole_(coarse.packed() ? coarse.half.size() * static_cast<std::size_t>(entries_ * coarse.layout.size[0]) : 0)
   {
   }
 
@@ -181,6 +183,12 @@ public:
       if (rows_.channels == 1 && q < neighbours)
         expand(rows_.neighbours[static_cast<std::size_t>(q)].tensor, y, z);
     }
+    if (whole_.empty())
+      return;
+    const std::int64_t n = coarse_.layout.size[0];
+    for (int c = 0; c < static_cast<int>(coarse_.half.size()) * entries_; ++c)
+      coarse_.pack(c, y, z, whole_.data() + c * n);
+    std::fill(whole_.begin(), whole_.end(), 0.0F);
   }
 
 private:
@@ -323,7 +331,9 @@ private:
       from += at.first - first;
     }
     const std::int64_t i = coarse_.layout.index(0, y, z);
-    float* row = target < 0 ? coarse_.diagonal.component(e) + i : &coarse_.block(target * entries_ + e, i);
+    float* row = target < 0 ? coarse_.diagonal.component(e) + i
+      : coarse_.packed()    ? whole_.data() + (target * entries_ + e) * coarse_.layout.size[0]
+                            : &coarse_.block(target * entries_ + e, i);
     levelKernels().axpy(at.last - at.first, weight, from, row + at.first);
   }
 
@@ -341,6 +351,7 @@ private:
   std::vector<Range> seams_;   ///< where that is not zero
   std::vector<float> sums_;    ///< a coarse row for the diagonal and each neighbour
   std::vector<char> touched_;
+  std::vector<float> whole_; ///< the blocks of a row before they are packed
 };
 
 /// What the blocks of a step add. Where nothing is folded there is one variant.
@@ -363,13 +374,56 @@ std::vector<Variant> variantsOf(const Terms& terms, const std::array<Fold, 3>& f
   return variants;
 }
 
+/// What numbers of the packed matrix count in. By Cauchy and Schwarz no block is larger than the root of the diagonal
+/// ones at its ends, and these are about the sum of the fine ones' by the squares of their weights; a number that is
+/// larger all the same is cut off, as those of the springs are that hold fixed components.
+void findScale(const MatrixRows& rows, const NodeLayout& fine, Level& coarse)
+{
+  constexpr float largest = 1.0F / 32767;
+  const NodeLayout& l = coarse.layout;
+  const std::int64_t reachZ = l.dimension == 3 ? 1 : 0;
+#pragma omp parallel if (fine.owned() >= worthThreads)
+  {
+    std::vector<float> held(static_cast<std::size_t>(fine.size[0]));
+    std::vector<float> sum(static_cast<std::size_t>(l.size[0]) + 1);
+#pragma omp for schedule(static)
+    for (std::int64_t row = 0; row < l.size[1] * l.size[2]; ++row)
+    {
+      const std::int64_t y = row % l.size[1];
+      const std::int64_t z = row / l.size[1];
+      std::fill(sum.begin(), sum.end(), 0.0F);
+      for (std::int64_t dz = -reachZ; dz <= reachZ; ++dz)
+        for (std::int64_t dy = -1; dy <= 1; ++dy)
+        {
+          const std::int64_t fineY = 2 * y + dy;
+          const std::int64_t fineZ = 2 * z + dz;
+          if (fineY < 0 || fineY >= fine.size[1] || fineZ < 0 || fineZ >= fine.size[2])
+            continue;
+          rows.stiffness(fineY, fineZ, held.data());
+          const float weight = (dy == 0 ? 1.0F : 0.25F) * (dz == 0 ? 1.0F : 0.25F);
+          for (std::size_t x = 0; x < held.size(); ++x)
+          {
+            const float part = weight * held[x];
+            sum[x / 2] += x % 2 == 0 ? part : 0.25F * part;
+            sum[x / 2 + 1] += x % 2 == 0 ? 0 : 0.25F * part;
+          }
+        }
+      float* to = coarse.scale.component(0) + l.index(0, y, z);
+      for (std::int64_t x = 0; x < l.size[0]; ++x)
+        to[x] = std::sqrt(largest * sum[static_cast<std::size_t>(x)]);
+    }
+  }
+}
+
 } // namespace
 
-void galerkinProduct(const MatrixRows& rows, const NodeLayout& fine, Level& coarse)
+void galerkinProduct(const MatrixRows& rows, const NodeLayout& fine, Level& coarse, bool packed)
 {
   const NodeLayout& l = coarse.layout;
   coarse.half = forwardNeighbours(l.dimension, l.ghost);
-  coarse.allocateMatrix();
+  coarse.allocateMatrix(packed);
+  if (coarse.packed())
+    findScale(rows, fine, coarse);
   const Terms terms(l.dimension, coarse.half);
   const std::array<Fold, 3> folds{ Fold(fine, coarse.periodic, 0), Fold(fine, coarse.periodic, 1),
     Fold(fine, coarse.periodic, 2) };
@@ -414,8 +468,30 @@ MatrixRows rowsOf(const Level& level)
   {
     const NodeLayout& l = level.layout;
     for (int e = 0; e < level.entries(); ++e)
-      std::copy_n(&level.block(q * level.entries() + e, l.index(0, y, z)), l.size[0], out + e * stride);
+    {
+      const int component = q * level.entries() + e;
+      const std::int64_t i = l.index(0, y, z);
+      if (level.packed())
+        for (std::int64_t x = 0; x < l.size[0]; ++x)
+          out[e * stride + x] = level.value(component, i + x);
+      else
+        std::copy_n(&level.block(component, i), l.size[0], out + e * stride);
+    }
     return true;
+  };
+  rows.stiffness = [&level](std::int64_t y, std::int64_t z, float* out)
+  {
+    const NodeLayout& l = level.layout;
+    const std::int64_t first = l.index(0, y, z);
+    for (std::int64_t x = 0; x < l.size[0]; ++x)
+      if (level.packed()) // without the springs that hold fixed components; coarse nodes take each other along
+        out[x] = 2 * 32767 * level.scale.component(0)[first + x] * level.scale.component(0)[first + x];
+      else
+      {
+        out[x] = 0;
+        for (int c = 0; c < l.dimension; ++c)
+          out[x] = std::max(out[x], level.diagonal.component(c)[first + x]);
+      }
   };
   rows.diagonal = [&level](std::int64_t y, std::int64_t z, float* out, std::int64_t stride)
   {

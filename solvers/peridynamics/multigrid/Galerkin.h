@@ -23,6 +23,8 @@ struct MatrixRows
   std::function<bool(int q, std::int64_t y, std::int64_t z, float* out, std::int64_t stride)> block;
   /// Entries of A(i, i), n to a row.
   std::function<void(std::int64_t y, std::int64_t z, float* out, std::int64_t stride)> diagonal;
+  /// What node x of a row holds along the axis in which it holds most, components that are fixed left out; n to a row.
+  std::function<void(std::int64_t y, std::int64_t z, float* out)> stiffness;
   int reach = 0; ///< largest step
 };
 
@@ -30,7 +32,9 @@ struct MatrixRows
 /// A side that is not periodic gets a coarse node at or beyond its last fine one.
 /// @param fine layout of the fine level
 /// @param coarse layout set, its rim as deep as coarseReach(rows.reach)
-void galerkinProduct(const MatrixRows& rows, const NodeLayout& fine, Level& coarse);
+/// @param packed in 16 bits an entry, where the coarse level has no rim; its diagonal blocks are then those before
+/// the others were rounded
+void galerkinProduct(const MatrixRows& rows, const NodeLayout& fine, Level& coarse, bool packed = false);
 
 /// Steps that the stencil of a coarse level reaches.
 [[nodiscard]] constexpr int coarseReach(int reach) noexcept

@@ -6,13 +6,31 @@
 #include "peridynamics/multigrid/LevelKernels.h"
 #include "peridynamics/multigrid/LevelRim.h"
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
 namespace lamella::peridynamics
 {
+
+/// What bonds that broke have taken off a packed matrix since it was made: k c cᵀ ⊗ e eᵀ each, with the weights c of a
+/// level's nodes. The diagonal blocks are without it already.
+struct BrokenSpring
+{
+  struct Node
+  {
+    std::int64_t index = 0; ///< position
+    float weight = 0;       ///< c
+  };
+  float stiffness = 0; ///< k/|ξ|
+  std::array<float, 3> direction{};
+  std::array<std::int64_t, 3> low{};  ///< nodes lie in low ≤ n < high
+  std::array<std::int64_t, 3> high{}; ///<
+  std::vector<Node> nodes;
+};
 
 /// One lattice of the multigrid hierarchy: its matrix (the finest has that of its bonds) and work vectors.
 struct Level
@@ -38,9 +56,25 @@ struct Level
   LayerShare share;    ///< of a lattice that every rank has whole: how they share out the layers
   bool shared = false; ///< each does its own; otherwise every one does all
 
+  // of a packed matrix
+  NodeField<float> scale;           ///< one component; zero where nothing holds
+  std::vector<BrokenSpring> broken; ///< since it was made, or they were last packed with it
+
   void allocateVectors();
   /// Makes room for the matrix, zero. One that has no rim is put in order from the start.
-  void allocateMatrix();
+  /// @param packed in 16 bits an entry; only where it has no rim
+  void allocateMatrix(bool packed = false);
+  /// Are the blocks between nodes stored in 16 bits: A(i, j) as whole numbers times scale(i) scale(j)? They are then
+  /// true to 1/65534 of √(Dᵢ Dⱼ), D about the nodes' own stiffness, so that a soft phase keeps its digits beside a
+  /// stiff one; diagonal blocks are single precision and make up for it, so that a translation still costs nothing.
+  [[nodiscard]] bool packed() const noexcept { return numbers_.size() > 0; }
+  /// Packs component q · entries + e of own row (y, z). @param values one a node
+  void pack(int component, std::int64_t y, std::int64_t z, const float* values);
+  /// out += what broken springs take off the product with x, at the nodes low ≤ n < high.
+  void addBroken(const NodeField<float>& x, NodeField<float>& out, const std::array<std::int64_t, 3>& low,
+    const std::array<std::int64_t, 3>& high) const;
+  /// Packs them with the blocks, where there are many of them.
+  void foldBroken();
   /// Moves the blocks together row by row: products then read one stream of memory instead of dozens.
   void arrange();
   /// Nobody else has nodes of this level and no side is periodic: the rim is empty, and so not stored of the blocks.
@@ -59,6 +93,12 @@ struct Level
   [[nodiscard]] const float& block(int component, std::int64_t index) const noexcept
   {
     return values_.size() > 0 ? values_[place(component, index)] : blocks.component(component)[index];
+  }
+  /// The same whatever it is stored as.
+  [[nodiscard]] float value(int component, std::int64_t index) const noexcept
+  {
+    return packed() ? unpack(component, index, static_cast<float>(numbers_[place(component, index)]))
+                    : block(component, index);
   }
   /// Fills in all but the fields: for a row that begins at a position.
   void pointTo(BlockRow& row, std::int64_t index) const noexcept;
@@ -83,8 +123,10 @@ private:
     return (row * components() + component) * pitch_ + column;
   }
   void findJumps();
+  [[nodiscard]] float unpack(int component, std::int64_t index, float number) const noexcept;
 
   AlignedArray<float> values_;          ///< the blocks: by rows, components, nodes
+  AlignedArray<std::int16_t> numbers_;  ///< in place of these, where they are packed
   bool tight_ = false;                  ///< own nodes only
   std::int64_t pitch_ = 0;              ///< of these rows
   std::vector<std::int64_t> jumps_;     ///< of the half stencil in nodes
@@ -93,6 +135,10 @@ private:
   /// before along z, each up to the reach; by neighbour.
   std::vector<std::uint8_t> mirrored_;
 };
+
+/// Row and column of the entries of a symmetric block, in the plane and in space.
+inline constexpr int entryRow[2][6] = { { 0, 1, 0 }, { 0, 1, 2, 0, 1, 0 } };
+inline constexpr int entryColumn[2][6] = { { 0, 1, 1 }, { 0, 1, 2, 1, 2, 2 } };
 
 /// Neighbours of a node within `reach` steps along every axis whose last nonzero step is positive.
 [[nodiscard]] std::vector<std::array<int, 3>> forwardNeighbours(int dimension, int reach);
@@ -146,10 +192,15 @@ void forOwnRows(const Level& level, F&& f)
 /// out −= A x on own nodes; the rim of x must be up to date.
 void subtractProduct(const Level& level, const NodeField<float>& x, NodeField<float>& out);
 
-/// Pseudo-inverses of symmetric d × d blocks: a direction in which a block has less than a millionth of its trace gets
+/// Of the trace: less is round-off, where blocks are summed in single precision; or where they are packed.
+inline constexpr double singularShare = 1e-6;
+inline constexpr double singularShareOfPacked = 1e-4;
+
+/// Pseudo-inverses of symmetric d × d blocks: a direction in which a block has less than a share of its trace gets
 /// none.
+/// @param least that share
 /// @return how many of the own nodes have such a direction, but no zero block
-std::int64_t invertBlocks(const NodeField<float>& blocks, NodeField<float>& inverse);
+std::int64_t invertBlocks(const NodeField<float>& blocks, NodeField<float>& inverse, double least = singularShare);
 
 /// The same for one node, where directions of less than `least` get none either.
 void invertBlock(const NodeField<float>& blocks, NodeField<float>& inverse, std::int64_t index, double least);

@@ -15,16 +15,18 @@ namespace lamella::peridynamics
 /// One row of coarse nodes with everything that its product with a block stencil reads; [c] components, [e] entries.
 struct BlockRow
 {
-  int half = 0;                 ///< neighbours on the forward side
-  const float* here[3];         ///< of the field
-  const float* diagonal[6];     ///<
-  const float* block[6];        ///< entry e of the first neighbour; neighbour q lies q × blockStride further
-  std::int64_t blockStride;     ///<
-  std::int64_t nextRow = 0;     ///< from a block to the same node's of the next row, in floats: fetched ahead
-  const std::int64_t* jump;     ///< from a node to neighbour q, in nodes; `half` values
-  const std::int64_t* back;     ///< from the block A(i − q, i) to A(i, i + q), in floats
-  const std::uint8_t* mirrored; ///< is there a row of blocks A(i − q, i)? Else they are zero; `half` values
-  float* out[3];                ///<
+  int half = 0;                  ///< neighbours on the forward side
+  const float* here[3];          ///< of the field
+  const float* diagonal[6];      ///<
+  const float* block[6];         ///< entry e of the first neighbour; neighbour q lies q × blockStride further
+  const std::int16_t* packed[6]; ///< the same in 16 bits, in place of `block`: to be multiplied by `scale` of both ends
+  const float* scale = nullptr;  ///< of the nodes; null unless packed
+  std::int64_t blockStride;      ///<
+  std::int64_t nextRow = 0;      ///< from a block to the same node's of the next row: fetched ahead
+  const std::int64_t* jump;      ///< from a node to neighbour q, in nodes; `half` values
+  const std::int64_t* back;      ///< from the block A(i − q, i) to A(i, i + q)
+  const std::uint8_t* mirrored;  ///< is there a row of blocks A(i − q, i)? Else they are zero; `half` values
+  float* out[3];                 ///<
 };
 
 struct LevelKernels

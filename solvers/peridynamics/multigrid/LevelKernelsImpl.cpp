@@ -3,6 +3,10 @@
 
 #include <algorithm>
 
+#ifdef __AVX2__
+#include <immintrin.h>
+#endif
+
 #define LAMELLA_SIMD _Pragma("omp simd")
 
 namespace lamella::peridynamics
@@ -88,9 +92,89 @@ void subtract(std::int64_t n, const BlockRow& r)
     subtractPart<Dim, 1>(i, r);
 }
 
+using Short __attribute__((vector_size(2 * lanes), aligned(2), may_alias)) = std::int16_t; // at any address
+
+V load(const std::int16_t* p)
+{
+#ifdef __AVX2__
+  // g++ 12 takes the vector apart into halves by itself
+  using Long __attribute__((vector_size(4 * lanes))) = std::int32_t;
+  const __m128i eight = _mm_loadu_si128(reinterpret_cast<const __m128i*>(p));
+  return __builtin_convertvector(reinterpret_cast<Long>(_mm256_cvtepi16_epi32(eight)), V);
+#else
+  return __builtin_convertvector(*reinterpret_cast<const Short*>(p), V);
+#endif
+}
+
+/// The same of a packed matrix: blocks are those of the scaled vector, and so is their sum. Several vectors of nodes at
+/// a time, for these share the cache lines of a block.
+template <int Dim, int Parts>
+void subtractPacked(std::int64_t at, const BlockRow& r)
+{
+  constexpr int entries = blockEntries(Dim);
+  V sum[Parts][Dim]{};
+  const auto add = [&](std::int64_t shift, std::int64_t jump)
+  {
+    for (int e = 0; e < entries; ++e) // the streams are many and short: the processor does not see them coming
+      __builtin_prefetch(r.packed[e] + shift + at + r.nextRow, 0, 2);
+#pragma GCC unroll 4
+    for (int part = 0; part < Parts; ++part)
+    {
+      const std::int64_t i = at + part * lanes;
+      V block[entries];
+      V x[Dim];
+      for (int e = 0; e < entries; ++e)
+        block[e] = load(r.packed[e] + shift + i);
+      const V scale = load(r.scale + jump + i);
+      for (int c = 0; c < Dim; ++c)
+        x[c] = scale * load(r.here[c] + jump + i);
+      for (int c = 0; c < Dim; ++c)
+        sum[part][c] += times<Dim>(c, block, x);
+    }
+  };
+  for (int q = 0; q < r.half; ++q)
+  {
+    add(q * r.blockStride, r.jump[q]);
+    if (r.mirrored[q] != 0)
+      add(q * r.blockStride - r.back[q], -r.jump[q]);
+  }
+  for (int part = 0; part < Parts; ++part)
+  {
+    const std::int64_t i = at + part * lanes;
+    V diagonal[entries];
+    V x[Dim];
+    for (int e = 0; e < entries; ++e)
+      diagonal[e] = load(r.diagonal[e] + i);
+    for (int c = 0; c < Dim; ++c)
+      x[c] = load(r.here[c] + i);
+    for (int c = 0; c < Dim; ++c)
+    {
+      float* out = r.out[c] + i;
+      *reinterpret_cast<AnyV*>(out) = load(out) - (times<Dim>(c, diagonal, x) + load(r.scale + i) * sum[part][c]);
+    }
+  }
+}
+
+template <int Dim>
+void subtractAllPacked(std::int64_t n, const BlockRow& r)
+{
+  std::int64_t i = 0;
+  for (; i + 3 * lanes < n; i += 4 * lanes)
+    subtractPacked<Dim, 4>(i, r);
+  if (i + 2 * lanes < n)
+    subtractPacked<Dim, 3>(i, r);
+  else if (i + lanes < n)
+    subtractPacked<Dim, 2>(i, r);
+  else if (i < n)
+    subtractPacked<Dim, 1>(i, r);
+}
+
 void subtractProduct(int dimension, std::int64_t n, const BlockRow& row)
 {
-  dimension == 3 ? subtract<3>(n, row) : subtract<2>(n, row);
+  if (row.scale != nullptr)
+    dimension == 3 ? subtractAllPacked<3>(n, row) : subtractAllPacked<2>(n, row);
+  else
+    dimension == 3 ? subtract<3>(n, row) : subtract<2>(n, row);
 }
 
 void chebyshev(int dimension, std::int64_t n, float a, float b, const float* const* inverse, const float* const* r,

@@ -44,7 +44,7 @@ std::vector<NodeLayout> levelLayouts(const NodeLayout& finest, bool parallel)
   return levels;
 }
 
-MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels, bool rim)
+MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels, bool rim, std::int64_t packFrom)
 {
   const int d = levels.front().dimension;
   const double entries = blockEntries(d);
@@ -57,7 +57,8 @@ MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels, bool rim)
     const auto nodes = static_cast<double>(levels[k].count());
     const double stored = rim ? nodes : static_cast<double>(Level::rimlessNodes(levels[k]));
     const double matrix = stored * entries * static_cast<double>(forwardNeighbours(d, levels[k].ghost).size());
-    floats += nodes * (2 * entries + 1 + 3 * d) + matrix;
+    const bool packed = !rim && packFrom > 0 && levels[k].owned() >= packFrom; // and a scale
+    floats += nodes * (2 * entries + 1 + 3 * d) + (packed ? 0.5 * matrix + nodes : matrix);
     largest = rim ? std::max(largest, matrix) : 0;
   }
   const double unknowns = static_cast<double>(levels.back().owned()) * d; // of the level that is solved directly

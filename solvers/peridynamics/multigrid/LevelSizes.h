@@ -2,6 +2,7 @@
 
 #include "peridynamics/NodeField.h"
 
+#include <cstdint>
 #include <vector>
 
 /// What a hierarchy of levels takes, before there is one.
@@ -20,6 +21,7 @@ struct MultigridBytes
   double making = 0; ///< beside these, while they are made
 };
 /// @param rim is any of it shared with other ranks or by periodic sides?
-[[nodiscard]] MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels, bool rim);
+/// @param packFrom MultigridOptions::packFrom
+[[nodiscard]] MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels, bool rim, std::int64_t packFrom = 0);
 
 } // namespace lamella::peridynamics

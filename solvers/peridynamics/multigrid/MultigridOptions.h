@@ -12,6 +12,9 @@ struct MultigridOptions
   std::size_t twiceFrom = 2;   ///< levels from this one on are visited twice (W-cycle); the finest is 0
   std::int64_t coarsest = 100; ///< nodes of a level that is solved directly
   std::int64_t gather = 4096;  ///< nodes of a level that is not worth distributing
+  /// Nodes from which on a coarse level's matrix is stored in 16 bits an entry (Level::packed()), where nobody else has
+  /// nodes of it and no side is periodic; 0: none is.
+  std::int64_t packFrom = 0;
 };
 
 } // namespace lamella::peridynamics
