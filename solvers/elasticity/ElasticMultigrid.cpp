@@ -10,7 +10,7 @@ namespace lamella::elasticity
 namespace
 {
 
-constexpr std::int64_t coarsestNodes = 16;
+constexpr std::int64_t coarsestNodes = 30;
 constexpr double longEdge = 1.5;       // axes of elements longer than the shortest by this are left as they are
 constexpr double withoutForce = 1e-12; // eigenvalues of the coarsest matrix, scaled to a diagonal of 1: rigid motions
 

@@ -39,7 +39,7 @@ TEST(BandCholesky, SolvesAsDenseFactorsDo)
       Eigen::VectorXd right = Eigen::VectorXd::NullaryExpr(size, [&] { return number(random); });
       const Eigen::VectorXd exact = dense.llt().solve(right);
       ASSERT_TRUE(band.factorize());
-      band.solve(right);
+      band.solve({ right.data(), static_cast<std::size_t>(size) });
       EXPECT_LT((right - exact).norm(), 1e-11 * exact.norm()) << size << " " << width; // condition number 1e4
     }
 }

@@ -1,8 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
-
-#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
 
 namespace lamella::lbm
 {
@@ -15,27 +15,24 @@ class BandCholesky
 public:
   BandCholesky() = default;
   /// All zero. @param width of the band: the largest row less column
-  BandCholesky(Eigen::Index size, Eigen::Index width);
+  BandCholesky(std::int64_t size, std::int64_t width);
 
-  [[nodiscard]] bool empty() const noexcept { return band_.cols() == 0; }
+  [[nodiscard]] bool empty() const noexcept { return size_ == 0; }
   /// Adds to an element of the lower triangle; those above it are left out.
-  void add(Eigen::Index row, Eigen::Index column, double value)
+  void add(std::int64_t row, std::int64_t column, double value)
   {
     if (row >= column)
-      band_(row - column, column) += value;
+      band_[static_cast<std::size_t>(column * (width_ + 1) + row - column)] += value;
   }
   /// In place. False where the matrix is not positive definite.
   [[nodiscard]] bool factorize();
   /// Right-hand side in, solution out.
-  void solve(Eigen::Ref<Eigen::VectorXd> x) const;
+  void solve(std::span<double> x) const;
 
 private:
-  [[nodiscard]] Eigen::Index below(Eigen::Index column) const
-  {
-    return std::min(band_.rows() - 1, band_.cols() - 1 - column);
-  }
-
-  Eigen::MatrixXd band_; ///< a column's diagonal and what is below it; factorised: D, and D times L's
+  std::int64_t size_ = 0;
+  std::int64_t width_ = 0;
+  std::vector<double> band_; ///< by column: its diagonal and what is below it
 };
 
 } // namespace lamella::lbm

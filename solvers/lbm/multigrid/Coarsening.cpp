@@ -69,7 +69,8 @@ public:
     }
     // for the whole row at once: total, links to one neighbour, sums of the corners
     const std::int64_t n = g.count(kind_ & 1);
-    std::vector<float> sums(static_cast<std::size_t>(10 * n), 0.0F);
+    thread_local std::vector<float> sums; // as many rows as there are would ask for memory
+    sums.assign(static_cast<std::size_t>(10 * n), 0.0F);
     for (const Neighbour& nb : neighbours())
       add(nb, n, sums.data());
     setFractions(n, sums.data());
@@ -192,7 +193,8 @@ private:
   void setFractions(std::int64_t n, const float* sums) const
   {
     const float* total = sums;
-    std::vector<int> values(static_cast<std::size_t>(3 * n), 0);
+    thread_local std::vector<int> values;
+    values.assign(static_cast<std::size_t>(3 * n), 0);
     int* rest = values.data();
     int* largest = rest + n;
     int* owner = largest + n;

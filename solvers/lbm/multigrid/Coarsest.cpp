@@ -110,7 +110,7 @@ void Multigrid::solveDirectly(const Level& coarsest, const FloatArray& f, FloatA
       for (std::int64_t x = 0; x < g.nx; ++x)
         right[i++] = f[static_cast<std::size_t>(g.row(y, z) + g.node(x))];
   if (!band_.empty())
-    band_.solve(right);
+    band_.solve({ right.data(), static_cast<std::size_t>(right.size()) });
   else
     right = direct_.solve(right).eval();
   i = 0;

@@ -3,8 +3,9 @@
 #include <cstdint>
 
 /// The loops of the multigrid preconditioner, one row at a time, compiled once for every instruction set and chosen at
-/// run time. Single precision. Rows are split by the parity of x: the even nodes first, then, `half` floats on, the odd
-/// ones; so every colour of a multicolour sweep, and every coarse node, is contiguous.
+/// run time. Single precision, but for the factors of the coarsest level. Rows are split by the parity of x: the even
+/// nodes first, then, `half` floats on, the odd ones; so every colour of a multicolour sweep, and every coarse node, is
+/// contiguous.
 ///
 /// No standard library type crosses this interface or appears in the implementation: a template instantiated there
 /// with wide instructions could be picked by the linker for the whole program.
@@ -71,6 +72,12 @@ struct Kernels
   /// out[b][c][direction]: coarse rows in natural order, at b, c = 0, 1.
   void (*galerkin)(int dimension, bool straight, std::int64_t first, std::int64_t last, std::int64_t half,
     const CellLinks& links, const CellWeights (*weights)[2], float* const (*out)[2][maxForward]);
+
+  /// L D Lᵀ in place of a symmetric matrix of n columns, each its diagonal and the `width` elements below that: a column
+  /// becomes that of 1 / D and, below, D times that of L. False where the matrix is not positive definite.
+  bool (*factorizeBand)(std::int64_t n, std::int64_t width, double* band);
+  /// Right-hand side in, solution out.
+  void (*solveBand)(std::int64_t n, std::int64_t width, const double* band, double* x);
 
   const char* name; ///< of the instruction set: "x86-64", "x86-64-v3" (AVX2), "x86-64-v4" (AVX-512), "generic"
 };

@@ -435,11 +435,81 @@ void galerkin(int dimension, bool straight, std::int64_t first, std::int64_t las
   }
 }
 
+bool factorizeBand(std::int64_t n, std::int64_t width, double* band)
+{
+  for (std::int64_t k = 0; k < n; ++k)
+  {
+    double* column = band + k * (width + 1);
+    if (!(column[0] > 0))
+      return false;
+    column[0] = 1 / column[0];
+    const std::int64_t below = n - 1 - k < width ? n - 1 - k : width;
+    for (std::int64_t i = 1; i <= below; ++i)
+    {
+      const double factor = column[i] * column[0];
+      if (factor == 0)
+        continue;
+      const double* from = column + i;
+      double* to = band + (k + i) * (width + 1);
+      LAMELLA_SIMD
+      for (std::int64_t j = 0; j <= below - i; ++j)
+        to[j] -= factor * from[j];
+    }
+  }
+  return true;
+}
+
+// Two columns at once: each waits for what the one before has stored.
+void solveBand(std::int64_t n, std::int64_t width, const double* band, double* x)
+{
+  const std::int64_t stride = width + 1;
+  const auto rest = [&](std::int64_t k) { return n - 1 - k < width ? n - 1 - k : width; }; // below column k
+  std::int64_t k = 0;
+  for (; k + 1 < n; k += 2)
+  {
+    const double* first = band + k * stride;
+    const double* second = first + stride;
+    const double v = x[k] * first[0];
+    const double w = (x[k + 1] - (width > 0 ? v * first[1] : 0)) * second[0];
+    x[k] = v;
+    x[k + 1] = w;
+    double* to = x + k + 2;
+    const std::int64_t both = rest(k) - 1; // elements of the first below the second's diagonal
+    LAMELLA_SIMD
+    for (std::int64_t i = 0; i < both; ++i)
+      to[i] -= v * first[2 + i] + w * second[1 + i];
+    for (std::int64_t i = both < 0 ? 0 : both; i < rest(k + 1); ++i)
+      to[i] -= w * second[1 + i];
+  }
+  if (k < n)
+    x[k] *= band[k * stride];
+  k -= 2; // the last pair
+  for (; k >= 0; k -= 2)
+  {
+    const double* first = band + k * stride;
+    const double* second = first + stride;
+    const double* from = x + k + 2;
+    const std::int64_t both = rest(k) - 1;
+    double s = 0;
+    double t = 0;
+#pragma omp simd reduction(+ : s, t)
+    for (std::int64_t i = 0; i < both; ++i)
+    {
+      s += first[2 + i] * from[i];
+      t += second[1 + i] * from[i];
+    }
+    for (std::int64_t i = both < 0 ? 0 : both; i < rest(k + 1); ++i)
+      t += second[1 + i] * from[i];
+    x[k + 1] -= t * second[0];
+    x[k] -= (s + (width > 0 ? first[1] * x[k + 1] : 0)) * first[0];
+  }
+}
+
 } // namespace
 
 extern const Kernels LAMELLA_KERNELS;
 const Kernels LAMELLA_KERNELS = { relaxStraight, relaxStraightFromZero, residualStraight, applyStraight, relaxGeneral,
-  residualGeneral, applyGeneral, inverseSum, axpy, xpby, dot, addWeighted, merge, splitRow, galerkin,
-  LAMELLA_KERNELS_NAME };
+  residualGeneral, applyGeneral, inverseSum, axpy, xpby, dot, addWeighted, merge, splitRow, galerkin, factorizeBand,
+  solveBand, LAMELLA_KERNELS_NAME };
 
 } // namespace lamella::lbm
