@@ -53,7 +53,7 @@ std::vector<statistics::WindowError> stiffnessWindows(const Lattice& lattice, st
   own.estimateError = false;
   own.windowError = false;
   own.nodesPerPixel = 1;
-  own.tolerance = std::max(options.tolerance, 5 * windowTolerance); // of which a fifth is left, measured
+  own.tolerance = std::max(options.tolerance, 2 * windowTolerance);
 
   const std::vector<double> whole = valuesOf(box, components);
   std::vector<statistics::WindowProperty> all(whole.size());

@@ -73,8 +73,8 @@ struct Kernels
   void (*galerkin)(int dimension, bool straight, std::int64_t first, std::int64_t last, std::int64_t half,
     const CellLinks& links, const CellWeights (*weights)[2], float* const (*out)[2][maxForward]);
 
-  /// L D Lᵀ in place of a symmetric matrix of n columns, each its diagonal and the `width` elements below that: a column
-  /// becomes that of 1 / D and, below, D times that of L. False where the matrix is not positive definite.
+  /// L D Lᵀ in place of a symmetric matrix of n columns, each its diagonal and the `width` elements below that: a
+  /// column becomes that of 1 / D and, below, D times that of L. False where the matrix is not positive definite.
   bool (*factorizeBand)(std::int64_t n, std::int64_t width, double* band);
   /// Right-hand side in, solution out.
   void (*solveBand)(std::int64_t n, std::int64_t width, const double* band, double* x);
