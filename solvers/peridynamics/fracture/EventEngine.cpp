@@ -17,6 +17,15 @@ constexpr int mostIterations = 200; // of an exact correction: some ten are usua
 constexpr double nearby = 0.8;      // of the largest s/s₀: what a handful of events does not make the next to break
 constexpr int mostLittles = 8;      // corrections that change little, one after the other: then all are looked at
 
+// Wide windows, in the plane: what windows around single breaks leave lies beside their rims, and a window twice as
+// wide takes it in. So whole lattices are corrected more seldom by
+constexpr int wides = 5;
+constexpr int wideness = 2; // of a window, over those around breaks
+constexpr int wideCoarse = 12;
+constexpr int wideCycles = 3;
+constexpr double wideReduction = 0.3; // of what a break's correction leaves
+constexpr double closer = 0.1;        // margin of rivals thereafter, over that before
+
 int orUsual(int radius, int dimension, int inPlane, int inSpace)
 {
   return radius > 0 ? radius : dimension == 3 ? inSpace : inPlane;
@@ -41,6 +50,7 @@ EventEngine::EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSam
   , pieces_(bonds, sample, platens)
   , radius_(orUsual(options.radius, bonds.dimension(), 12, 6))
   , coarseRadius_(orUsual(options.coarseRadius, bonds.dimension(), 8, 4))
+  , wide_(bonds.dimension() == 2)
   , reached_(tolerance)
 {
   refine();
@@ -83,6 +93,7 @@ EventEngine::EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSam
   , pieces_(bonds, sample, platens)
   , radius_(orUsual(options.radius, bonds.dimension(), 12, 6))
   , coarseRadius_(orUsual(options.coarseRadius, bonds.dimension(), 8, 4))
+  , wide_(bonds.dimension() == 2)
   , workOverForce_(resumed.numbers.at("work over force"))
   , reached_(resumed.numbers.at("residual"))
 {
@@ -111,7 +122,7 @@ void EventEngine::renew()
 void EventEngine::measure()
 {
   force_ = platens_.of(bonds_, state_.force());
-  sinceGlobal_ = 0;
+  sinceGlobal_ = sinceWide_ = 0;
   const double start = seconds();
   const bool little = state_.little() && ++littles_ < mostLittles;
   littles_ = little ? littles_ : 0;
@@ -136,6 +147,20 @@ bool EventEngine::correct(double tolerance)
   afterGlobal(state_.correctGlobally({ tolerance, mostIterations }).iterations, start);
   reached_ = tolerance;
   return true;
+}
+
+void EventEngine::correctAround()
+{
+  const double start = seconds();
+  const EventHierarchy::Local local = state_.correct(broken_, wideness * radius_, std::max(wideCoarse, coarseRadius_),
+    wideReduction * wideReduction * target_, wideCycles);
+  statistics_.localCycles += local.cycles;
+  statistics_.nodesVisited += local.visited;
+  const double relaxed = seconds();
+  statistics_.localSeconds += relaxed - start;
+  tiles_.refresh(state_, local.window, nearby);
+  statistics_.searchSeconds += seconds() - relaxed;
+  sinceWide_ = 0;
 }
 
 double EventEngine::toleranceOf(Nearness nearness) const noexcept
@@ -207,11 +232,30 @@ StretchMaximum EventEngine::mostCritical()
   StretchMaximum most = tiles_.greatest(state_);
   statistics_.searchSeconds += seconds() - start;
   // which of two it is makes the path: the errors of local corrections, which add up, are not to say
-  const double margin = options_.rivals * std::min(1.0, (sinceGlobal_ + 1.0) / options_.globalEvery);
-  const bool rival = margin > 0 && most.bond && tiles_.second() >= (1 - margin) * most.ratio;
-  if (rival && correct(options_.rivalTolerance))
+  const double every = options_.globalEvery;
+  if (!wide_)
+  {
+    if (rivals(most, std::min(1.0, (sinceGlobal_ + 1) / every)) && correct(options_.rivalTolerance))
+      most = tiles_.greatest(state_);
+    return most;
+  }
+  if (state_.expectedResidual() <= options_.rivalTolerance)
+    return most;
+  if (sinceWide_ > 0 && rivals(most, std::min(1.0, (sinceWide_ + 1) / every)))
+  {
+    correctAround();
+    most = tiles_.greatest(state_);
+  }
+  if (rivals(most, closer * std::min(1.0, (sinceGlobal_ + 1) / (wides * every))) && correct(options_.rivalTolerance))
     most = tiles_.greatest(state_);
   return most;
+}
+
+/// @param margin of the option's
+bool EventEngine::rivals(const StretchMaximum& most, double margin) const
+{
+  margin *= options_.rivals;
+  return margin > 0 && most.bond && tiles_.second() >= (1 - margin) * most.ratio;
 }
 
 std::vector<Bond> EventEngine::critical(double)
@@ -240,8 +284,8 @@ void EventEngine::breakBond(const Bond& bond)
   statistics_.searchSeconds += start - broken;
 
   const double dipole = state_.dipole(i, bond.offset, spring * before);
-  const EventHierarchy::Local local = state_.correct(
-    boxOf(bond), radius_, coarseRadius_, options_.reduction * options_.reduction * dipole, options_.maxCycles);
+  target_ = options_.reduction * options_.reduction * dipole;
+  const EventHierarchy::Local local = state_.correct(boxOf(bond), radius_, coarseRadius_, target_, options_.maxCycles);
   statistics_.localCycles += local.cycles;
   statistics_.nodesVisited += local.visited;
   // exact for an equilibrium before and after
@@ -252,8 +296,13 @@ void EventEngine::breakBond(const Bond& bond)
   statistics_.localSeconds += relaxed - start;
   tiles_.refresh(state_, local.window);
   statistics_.searchSeconds += seconds() - relaxed;
-  if (++sinceGlobal_ >= options_.globalEvery)
+  broken_ = sinceWide_ == 0 ? boxOf(bond) : united(broken_, boxOf(bond));
+  ++sinceGlobal_;
+  ++sinceWide_;
+  if (sinceGlobal_ >= (wide_ ? wides : 1) * options_.globalEvery)
     settle(Nearness::Avalanche);
+  else if (wide_ && sinceWide_ >= options_.globalEvery)
+    correctAround();
 }
 
 double EventEngine::takeOut(std::int64_t index, int offset)

@@ -46,6 +46,9 @@ private:
   [[nodiscard]] std::int64_t indexOf(const Bond& bond) const;
   [[nodiscard]] Box boxOf(const Bond& bond) const;
   void takeOut(const std::vector<std::int64_t>& nodes);
+  /// In the plane: relaxes a wide window around all that has broken since the last correction.
+  void correctAround();
+  [[nodiscard]] bool rivals(const StretchMaximum& most, double margin) const;
   void afterGlobal(int iterations, double start);
   void refine();  ///< the first equilibrium, where the tolerance may leave too much of the force
   void measure(); ///< what follows from the state in one go
@@ -60,9 +63,13 @@ private:
   LoosePieces pieces_;
   int radius_;
   int coarseRadius_;
+  bool wide_; ///< are wide windows corrected in between?
   double force_ = 0;
   double workOverForce_ = 0; ///< at unit load, of twice the elastic energy: both are in proportion to the stiffness
   int sinceGlobal_ = 0;      ///< events
+  int sinceWide_ = 0;        ///< events since the last correction of a wide window or of the whole lattice
+  Box broken_;               ///< around these
+  double target_ = 0;        ///< of the last local correction
   int littles_ = 0;          ///< corrections that changed little since all bonds were looked at
   double reached_ = 1;       ///< tolerance of the last global correction
   std::int64_t searchesBefore_ = 0; ///< that another engine made

@@ -73,6 +73,8 @@ MultigridOptions EventHierarchy::multigridOptions(int dimension) noexcept
 {
   MultigridOptions options;
   options.packFrom = dimension == 3 ? options.gather : 0;
+  if (dimension == 2)
+    options.twiceFrom = 4; // the larger levels twice cost more than the iterations that they save
   return options;
 }
 

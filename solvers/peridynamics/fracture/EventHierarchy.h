@@ -136,7 +136,8 @@ private:
   void evaluate(std::size_t level, const Box& box);
   void evaluateFrom(std::size_t level, const Box& box); ///< where the next level's is known
   void nest(const Box& box, int radius, int coarseRadius);
-  double relax(std::size_t level, int steps);
+  /// @param known the level's r is the residual of its window already
+  double relax(std::size_t level, int steps, bool known);
   /// out = −A u on the rows of a box.
   void product(std::size_t level, const Box& box, const NodeField<float>& u, NodeField<float>& out);
   void restrictChange(std::size_t level);

@@ -9,7 +9,10 @@ namespace lamella::peridynamics
 namespace
 {
 
-constexpr int steps = 2; // of conjugate gradients, down and up
+// Of conjugate gradients, down and up. One up does nearly what two do: the residual that is left is met again on the
+// way down.
+constexpr int stepsDown = 2;
+constexpr int stepsUp = 1;
 
 } // namespace
 
@@ -41,7 +44,7 @@ void EventHierarchy::product(std::size_t k, const Box& box, const NodeField<floa
 }
 
 // Conjugate gradients, preconditioned by the nodes' blocks, on a level's window.
-double EventHierarchy::relax(std::size_t k, int count)
+double EventHierarchy::relax(std::size_t k, int count, bool known)
 {
   EventLevel& level = levels_[k];
   Level& matrix = multigrid_->level(k);
@@ -77,14 +80,17 @@ double EventHierarchy::relax(std::size_t k, int count)
       });
     return sum;
   };
-  product(k, in, level.total, r);
-  forRows(in,
-    [&](std::int64_t y, std::int64_t z)
-    {
-      const std::int64_t i = l.index(in.low[0], y, z);
-      for (int c = 0; c < l.dimension; ++c)
-        kernels.axpy(n, 1.0F, level.g.component(c) + i, r.component(c) + i);
-    });
+  if (!known)
+  {
+    product(k, in, level.total, r);
+    forRows(in,
+      [&](std::int64_t y, std::int64_t z)
+      {
+        const std::int64_t i = l.index(in.low[0], y, z);
+        for (int c = 0; c < l.dimension; ++c)
+          kernels.axpy(n, 1.0F, level.g.component(c) + i, r.component(c) + i);
+      });
+  }
   double rz = precondition(p);
   for (int step = 0; step < count && rz > 0; ++step)
   {
@@ -144,6 +150,7 @@ void EventHierarchy::restrictChange(std::size_t k)
 {
   EventLevel& level = levels_[k];
   EventLevel& next = levels_[k + 1];
+  NodeField<float>& residual = multigrid_->level(k + 1).r; // relax() may know it
   const NodeLayout& l = level.w.layout();
   const NodeLayout& coarse = next.w.layout();
   const Box& box = outer_[k];
@@ -175,6 +182,7 @@ void EventHierarchy::restrictChange(std::size_t k)
           }
         const std::int64_t i = coarse.index(to.low[0], y, z);
         levelKernels().axpy(n, 1.0F, sum.data(), next.g.component(c) + i);
+        levelKernels().axpy(n, 1.0F, sum.data(), residual.component(c) + i);
         if (!last)
           levelKernels().axpy(n, 1.0F, sum.data(), next.change.component(c) + i);
       }
@@ -220,17 +228,17 @@ EventHierarchy::Local EventHierarchy::correct(
   {
     for (std::size_t k = 0; k < last; ++k)
     {
-      relax(k, steps);
+      relax(k, stepsDown, local.cycles > 0); // the way up has left it
       restrictChange(k);
     }
     relaxCoarsest();
     for (std::size_t k = last; k-- > 0;)
     {
       evaluateFrom(k, outer_[k]);
-      local.residual = relax(k, steps);
+      local.residual = relax(k, stepsUp, false);
     }
     ++local.cycles;
-    local.visited += 2 * (1 + steps) * outer_.front().count();
+    local.visited += (1 + stepsDown + stepsUp + (local.cycles > 1 ? 0 : 1)) * outer_.front().count();
     if (!(local.residual > target))
       break;
   }

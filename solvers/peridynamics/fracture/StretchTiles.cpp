@@ -197,6 +197,20 @@ void StretchTiles::refresh(EventHierarchy& state, const Box& window)
       }
 }
 
+void StretchTiles::refresh(EventHierarchy& state, const Box& window, double least)
+{
+  refresh(state, window);
+  const double from = least * static_cast<double>(*std::max_element(largest_.begin(), largest_.end()));
+  for (std::size_t t = 0; t < largest_.size(); ++t)
+    if (state_[t] != now_ && static_cast<double>(largest_[t]) >= from)
+    {
+      const auto tile = static_cast<std::int64_t>(t);
+      state.evaluate(grown(boxOf(tile), reach_, bonds_.layout()));
+      largest_[t] = measure(state, tile);
+      state_[t] = now_;
+    }
+}
+
 StretchMaximum StretchTiles::greatest(EventHierarchy& state)
 {
   for (;;)

@@ -22,6 +22,9 @@ public:
   void refreshAll(EventHierarchy& state, double least = 0);
   /// A break has changed everything a little, and a window more than that.
   void refresh(EventHierarchy& state, const Box& window);
+  /// A correction has changed a window, and with it what is far a little: tiles of the window, and those that had this
+  /// share of the largest.
+  void refresh(EventHierarchy& state, const Box& window, double least);
   /// The largest, of tiles that are looked at anew until the largest one is fresh.
   StretchMaximum greatest(EventHierarchy& state);
   /// s/s₀ of the bond that came second, as far as is known.
