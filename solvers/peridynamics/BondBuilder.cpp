@@ -138,7 +138,8 @@ private:
     if (b_.comm_->any(phases != count || (grains != 0 && grains != count)))
       throw InputError(fmt::format("{} phases and {} grains for {} nodes", phases, grains, count),
         "give the phase of every node of the rank's slab, and the grain of every one or of none");
-    b_.layout_ = NodeLayout::make(lattice_.dimension, b_.stencil_.layers(), block.size, block.start, lattice_.size);
+    b_.layout_ = NodeLayout::make(
+      lattice_.dimension, b_.stencil_.layers(), block.size, block.start, lattice_.size, b_.periodic_[0]);
     b_.kinds_ = kinds_.kinds();
     b_.planes_ = std::bit_width(b_.kinds_.size() - 1);
     b_.words_ = static_cast<int>((b_.stencil_.half().size() + 31) / 32);
@@ -360,7 +361,8 @@ double BondLattice::bytesNeeded(const BondModel& model, const Lattice& lattice, 
   const BondKinds kinds(model, stencil, lattice.spacing);
   const auto planes = static_cast<double>(std::bit_width(kinds.kinds().size() - 1));
   const auto words = static_cast<double>((stencil.half().size() + 31) / 32);
-  const NodeLayout layout = NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks);
+  const NodeLayout layout =
+    NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks, model.periodic[0]);
   // bits, strips, what is solid, shares of energy; and for a while the phases and grains with their rim
   const double perNode =
     4 * planes * words + 1.0 / 16 + 1 + (model.surfaceCorrection ? 4 * stencil.dimension() : 0) + 1 + (grains ? 4 : 0);

@@ -69,10 +69,10 @@ public:
     , f_(f)
     , nonlinear_(nonlinear)
     , parts_(nonlinear ? bonds.dimension() : 1)
-    , bufferPitch_(bonds.layout().pitch + NodeLayout::margin)
+    , bufferPitch_(bonds.layout().bufferLength() + NodeLayout::margin)
     , buffers_(bufferPitch_ * maxChunk * parts_)
-    , dump_(bonds.layout().pitch * bonds.dimension())
-    , marks_(nonlinear ? bonds.layout().pitch : 0)
+    , dump_(bonds.layout().bufferLength() * bonds.dimension())
+    , marks_(nonlinear ? bonds.layout().bufferLength() : 0)
     , kernels_(kernelsOf<Real>(bonds))
   {
     begin(job_, bonds, numbers);
@@ -93,7 +93,7 @@ public:
       if (part == Part::Rim)
         return;
       for (int c = 0; c < d; ++c)
-        std::fill_n(f_.component(c) + row * l.pitch, l.pitch, Real(0));
+        std::fill_n(f_.component(c) + l.begin(row), l.pitch, Real(0));
     };
     sweep(l, reach, band, zero,
       [&](std::int64_t y, std::int64_t z, std::int64_t row, bool own)
@@ -155,7 +155,7 @@ private:
     for (std::size_t c = 0; c < d; ++c)
     {
       const int k = static_cast<int>(c);
-      job.f[c] = own ? f_.component(k) + i : dump_.data() + k * l.pitch + NodeLayout::margin;
+      job.f[c] = own ? f_.component(k) + i : dump_.data() + k * l.bufferLength() + NodeLayout::margin;
     }
     const auto& table = (nonlinear_ ? kernels_.nonlinear : kernels_.linear)[d - 2];
     for (const Run& r : runs_.push)

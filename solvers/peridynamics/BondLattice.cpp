@@ -52,7 +52,7 @@ StripCounts BondLattice::strips() const noexcept
   for (std::int64_t z = 0; z < layout_.size[2]; ++z)
     for (std::int64_t y = 0; y < layout_.size[1]; ++y)
     {
-      const std::uint8_t* s = stripsOf(layout_.row(y, z)) + NodeLayout::margin / 16;
+      const std::uint8_t* s = stripsOf(layout_.row(y, z)) + layout_.before / 16;
       for (std::int64_t i = 0; i < n; ++i)
         ++(s[i] == 0 ? counts.empty : s[i] == 255 ? counts.mixed : counts.uniform);
     }
@@ -104,7 +104,7 @@ template void BondLattice::exchange(NodeField<float>&) const;
 void BondLattice::classify(std::int64_t row, std::int64_t strip)
 {
   const int count = static_cast<int>(jump_.size());
-  const std::int64_t begin = row * layout_.pitch + strip * 16;
+  const std::int64_t begin = layout_.begin(row) + strip * 16;
   // every plane must be all ones or all zeros over the strip and over all bonds
   int code = 0;
   bool some = false;
@@ -169,7 +169,7 @@ std::int64_t BondLattice::put(const Bond& bond, int kind)
           std::uint32_t& word = bits_[(p * words_ + (bond.offset >> 5)) * layout_.count() + i];
           word = (kind >> p & 1) != 0 ? word | bit : word & ~bit;
         }
-        classify(i / layout_.pitch, i % layout_.pitch / 16);
+        classify(layout_.rowOf(i), (layout_.xOf(i) + layout_.before) / 16);
         owned += layout_.ownedNode(n) ? 1 : 0;
       }
   return owned;
@@ -184,12 +184,12 @@ void BondLattice::breakKnown(const Bond& bond)
 namespace
 {
 
-/// Rows of all ranks, one after another as they lie in the whole layout.
+/// Rows of all ranks, one after another as they lie in the whole layout. @param begin of the first one
 template <class T>
-AlignedArray<T> rowsOfAll(
-  const Communicator& comm, const NodeLayout& part, const NodeLayout& all, const T* mine, std::int64_t rowLength)
+AlignedArray<T> rowsOfAll(const Communicator& comm, const NodeLayout& part, const NodeLayout& all, const T* mine,
+  std::int64_t rowLength, std::int64_t begin)
 {
-  AlignedArray<T> rows(all.rows() * rowLength);
+  AlignedArray<T> rows(all.rows() * rowLength + begin);
   const bool space = part.dimension == 3;
   const std::int64_t layer = space ? part.rowsY() : 1;
   MPI_Datatype row = MPI_DATATYPE_NULL; // counts in rows: longer arrays before an int overflows
@@ -200,7 +200,7 @@ AlignedArray<T> rowsOfAll(
   MPI_Allgather(&own, 1, MPI_INT, counts.data(), 1, MPI_INT, comm.handle());
   std::vector<int> begins(counts.size(), 0);
   std::partial_sum(counts.begin(), counts.end() - 1, begins.begin() + 1);
-  const std::int64_t first = part.ghost * layer * rowLength; // the rim before the first layer
+  const std::int64_t first = begin + part.ghost * layer * rowLength; // the rim before the first layer
   MPI_Allgatherv(mine + first, own, row, rows.data() + first, counts.data(), begins.data(), row, comm.handle());
   MPI_Type_free(&row);
   return rows;
@@ -214,23 +214,24 @@ BondLattice BondLattice::whole(const Communicator& alone) const
   if (!comm_->parallel())
     return all;
   all.comm_ = &alone;
-  all.layout_ = NodeLayout::make(layout_.dimension, layout_.ghost, layout_.global, {}, layout_.global);
+  all.layout_ = NodeLayout::make(layout_.dimension, layout_.ghost, layout_.global, {}, layout_.global, periodic_[0]);
   const std::int64_t here = layout_.count();
   const std::int64_t there = all.layout_.count();
   all.bits_ = AlignedArray<std::uint32_t>(there * planes_ * words_);
   for (std::int64_t p = 0; p < planes_ * words_; ++p)
   {
-    const auto plane = rowsOfAll(*comm_, layout_, all.layout_, bits_.data() + p * here, layout_.pitch);
+    const auto plane =
+      rowsOfAll(*comm_, layout_, all.layout_, bits_.data() + p * here, layout_.pitch, layout_.begin(0));
     std::copy_n(plane.data(), there, all.bits_.data() + p * there);
   }
-  all.strips_ = rowsOfAll(*comm_, layout_, all.layout_, strips_.data(), layout_.pitch / 16);
-  all.solid_ = rowsOfAll(*comm_, layout_, all.layout_, solid_.data(), layout_.pitch);
+  all.strips_ = rowsOfAll(*comm_, layout_, all.layout_, strips_.data(), layout_.pitch / 16, 0);
+  all.solid_ = rowsOfAll(*comm_, layout_, all.layout_, solid_.data(), layout_.pitch, layout_.begin(0));
   if (corrected_)
   {
     all.shares_ = NodeField<float>(all.layout_, shares_.components());
     for (int c = 0; c < shares_.components(); ++c)
-      std::copy_n(rowsOfAll(*comm_, layout_, all.layout_, shares_.component(c), layout_.pitch).data(), there,
-        all.shares_.component(c));
+      std::copy_n(rowsOfAll(*comm_, layout_, all.layout_, shares_.component(c), layout_.pitch, layout_.begin(0)).data(),
+        there, all.shares_.component(c));
   }
   return all;
 }

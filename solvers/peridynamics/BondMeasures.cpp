@@ -94,7 +94,7 @@ double nonlinearEnergy(const BondLattice& bonds, const NodeField<Real>& u)
   {
     RowJob<Real> job{};
     begin(job, bonds, numbers);
-    AlignedArray<Real> energies(l.pitch);
+    AlignedArray<Real> energies(l.bufferLength());
     job.f[0] = energies.data() + NodeLayout::margin;
     RowRuns runs;
 #pragma omp for schedule(dynamic, 8)

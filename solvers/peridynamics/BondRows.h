@@ -36,8 +36,8 @@ public:
   SpringRow(const BondLattice& bonds, const BondNumbers<Real>& numbers)
     : bonds_(bonds)
     , numbers_(numbers)
-    , spring_(bonds.layout().pitch)
-    , inverse_(bonds.layout().pitch)
+    , spring_(bonds.layout().bufferLength())
+    , inverse_(bonds.layout().bufferLength())
   {
   }
 
@@ -141,15 +141,15 @@ void addToEnds(const BondLattice& bonds, NodeField<Real>& out, int components, R
   {
     const Band& band = shares[b];
     SpringRow<Real> springs(bonds, numbers);
-    AlignedArray<Real> buffers(l.pitch * components);
+    AlignedArray<Real> buffers(l.bufferLength() * components);
     std::array<Real*, 6> t{};
     for (int c = 0; c < components; ++c)
-      t[static_cast<std::size_t>(c)] = buffers.data() + c * l.pitch + NodeLayout::margin;
+      t[static_cast<std::size_t>(c)] = buffers.data() + c * l.bufferLength() + NodeLayout::margin;
     RowRuns runs;
     const auto zero = [&](std::int64_t row)
     {
       for (int c = 0; c < components; ++c)
-        std::fill_n(out.component(c) + row * l.pitch, l.pitch, Real(0));
+        std::fill_n(out.component(c) + l.begin(row), l.pitch, Real(0));
     };
     const auto visit = [&](std::int64_t y, std::int64_t z, std::int64_t row, bool own)
     {

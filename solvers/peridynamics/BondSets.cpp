@@ -28,7 +28,7 @@ void eachStrip(const BondLattice& bonds, F&& f)
       const std::uint8_t* strips = bonds.stripsOf(row);
       for (std::int64_t s = 0; s < l.pitch / 16; ++s)
         if (strips[s] != 0)
-          f(row * l.pitch + 16 * s, strips[s]);
+          f(l.begin(row) + 16 * s, strips[s]);
     });
 }
 

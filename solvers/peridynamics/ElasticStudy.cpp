@@ -336,7 +336,8 @@ double elasticBytes(
 {
   const double bonds = BondLattice::bytesNeeded(model, lattice, ranks, grains);
   const Stencil stencil(lattice.dimension, model.horizon);
-  const NodeLayout layout = NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks);
+  const NodeLayout layout =
+    NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks, model.periodic[0]);
   const auto nodes = static_cast<double>(layout.count());
   const double d = lattice.dimension;
   double levels = 0; // of multigrid

@@ -12,8 +12,9 @@ namespace lamella::peridynamics
 {
 
 /// Where the nodes of this rank's part of a lattice lie in memory: x fastest, then y, then z, with a rim of `ghost`
-/// nodes on every side of every dimension. Rows are padded so that x = 0 and every row begin on a cache line; what
-/// precedes x = 0 follows the rim after the last node of the row before.
+/// nodes on every side of every dimension. Rows are padded so that x = 0 lies on a cache line. Where sides across x are
+/// periodic a row begins `margin` nodes before that; else nothing lies before it, all that there is at x < 0 is zero,
+/// and the padding of the row before is that, too.
 struct NodeLayout
 {
   static constexpr std::int64_t margin = 16; ///< nodes before x = 0
@@ -23,6 +24,7 @@ struct NodeLayout
   std::array<std::int64_t, 3> size{ 1, 1, 1 };   ///< owned nodes along x, y, z; size[2] is 1 in 2D
   std::array<std::int64_t, 3> start{ 0, 0, 0 };  ///< of the owned nodes, in the whole lattice
   std::array<std::int64_t, 3> global{ 1, 1, 1 }; ///< nodes of the whole lattice
+  std::int64_t before = margin;                  ///< nodes of a row before x = 0: `margin` or none
   std::int64_t pitch = 0;                        ///< from a row to the next, in nodes; a multiple of 16
 
   [[nodiscard]] int ghostZ() const noexcept { return dimension == 3 ? ghost : 0; }
@@ -31,13 +33,24 @@ struct NodeLayout
   /// All rows in memory.
   [[nodiscard]] std::int64_t rows() const noexcept { return rowsY() * (size[2] + 2 * ghostZ()); }
   /// Nodes in memory, rim and padding included: the length of every array.
-  [[nodiscard]] std::int64_t count() const noexcept { return rows() * pitch; }
+  [[nodiscard]] std::int64_t count() const noexcept { return rows() * pitch + margin - before; }
   [[nodiscard]] std::int64_t owned() const noexcept { return size[0] * size[1] * size[2]; }
   /// Number of a row, -ghost ≤ y < size[1] + ghost, and z likewise.
   [[nodiscard]] std::int64_t row(std::int64_t y, std::int64_t z = 0) const noexcept
   {
     return (z + ghostZ()) * rowsY() + y + ghost;
   }
+  /// Position where a row begins; `pitch` nodes from there on are its own.
+  [[nodiscard]] std::int64_t begin(std::int64_t row) const noexcept { return row * pitch + margin - before; }
+  /// Row of a position.
+  [[nodiscard]] std::int64_t rowOf(std::int64_t index) const noexcept { return (index - margin + before) / pitch; }
+  /// x of a position, from the first owned node.
+  [[nodiscard]] std::int64_t xOf(std::int64_t index) const noexcept
+  {
+    return (index - margin + before) % pitch - before;
+  }
+  /// Length of a buffer of a row with x = 0 at `margin`, whatever the sides.
+  [[nodiscard]] std::int64_t bufferLength() const noexcept { return (margin + size[0] + ghost + 15) / 16 * 16; }
   /// Position of a node in the arrays; x, y, z count from the first owned node.
   [[nodiscard]] std::int64_t index(std::int64_t x, std::int64_t y, std::int64_t z = 0) const noexcept
   {
@@ -46,8 +59,8 @@ struct NodeLayout
   /// x, y, z of a position.
   [[nodiscard]] std::array<std::int64_t, 3> node(std::int64_t index) const noexcept
   {
-    const std::int64_t row = index / pitch;
-    return { index % pitch - margin, row % rowsY() - ghost, row / rowsY() - ghostZ() };
+    const std::int64_t row = rowOf(index);
+    return { xOf(index), row % rowsY() - ghost, row / rowsY() - ghostZ() };
   }
   [[nodiscard]] bool ownedNode(const std::array<std::int64_t, 3>& node) const noexcept
   {
@@ -63,19 +76,23 @@ struct NodeLayout
   }
 
   /// @param size, start, global see above
+  /// @param periodicX are the sides across x periodic?
   [[nodiscard]] static NodeLayout make(int dimension, int ghost, const std::array<std::int64_t, 3>& size,
-    const std::array<std::int64_t, 3>& start, const std::array<std::int64_t, 3>& global)
+    const std::array<std::int64_t, 3>& start, const std::array<std::int64_t, 3>& global, bool periodicX)
   {
-    return { dimension, ghost, size, start, global, (margin + size[0] + ghost + 15) / 16 * 16 };
+    const std::int64_t before = periodicX ? margin : 0;
+    const std::int64_t vectors = periodicX ? size[0] : (size[0] + 7) / 8 * 8; // what reaches past their ends is zero
+    const std::int64_t after = periodicX ? ghost : std::max(2, ghost);        // what is restricted reads two
+    return { dimension, ghost, size, start, global, before, (before + vectors + after + 15) / 16 * 16 };
   }
   /// Of the largest part where a lattice is cut along its last axis into as many parts as there are ranks.
   [[nodiscard]] static NodeLayout largestPart(
-    int dimension, int ghost, const std::array<std::int64_t, 3>& global, int ranks)
+    int dimension, int ghost, const std::array<std::int64_t, 3>& global, int ranks, bool periodicX)
   {
     std::array<std::int64_t, 3> size = global;
     std::int64_t& slowest = size[dimension == 3 ? 2 : 1];
     slowest = (slowest + ranks - 1) / ranks;
-    return make(dimension, ghost, size, {}, global);
+    return make(dimension, ghost, size, {}, global, periodicX);
   }
   bool operator==(const NodeLayout&) const = default;
 };

@@ -12,7 +12,7 @@ template <class T>
 void copyRows(const NodeLayout& layout, T* data, std::int64_t from, std::int64_t to, std::int64_t rows)
 {
   std::memcpy(
-    data + to * layout.pitch, data + from * layout.pitch, static_cast<std::size_t>(rows * layout.pitch) * sizeof(T));
+    data + layout.begin(to), data + layout.begin(from), static_cast<std::size_t>(rows * layout.pitch) * sizeof(T));
 }
 
 // Images at the sides that this rank has both of: of x in owned rows, then of y in space.
@@ -78,13 +78,13 @@ RimInFlight<T>::RimInFlight(
   const int rows = static_cast<int>(g * layer);
   for (T* data : arrays)
   {
-    MPI_Irecv(data, rows, row_, down, 71, comm.handle(), &requests_.emplace_back());
-    MPI_Irecv(data + high * layout.pitch, rows, row_, up, 72, comm.handle(), &requests_.emplace_back());
+    MPI_Irecv(data + layout.begin(0), rows, row_, down, 71, comm.handle(), &requests_.emplace_back());
+    MPI_Irecv(data + layout.begin(high), rows, row_, up, 72, comm.handle(), &requests_.emplace_back());
   }
   for (T* data : arrays)
   {
-    MPI_Isend(data + lastOut * layout.pitch, rows, row_, up, 71, comm.handle(), &requests_.emplace_back());
-    MPI_Isend(data + first * layout.pitch, rows, row_, down, 72, comm.handle(), &requests_.emplace_back());
+    MPI_Isend(data + layout.begin(lastOut), rows, row_, up, 71, comm.handle(), &requests_.emplace_back());
+    MPI_Isend(data + layout.begin(first), rows, row_, down, 72, comm.handle(), &requests_.emplace_back());
   }
 }
 

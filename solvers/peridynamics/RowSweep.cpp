@@ -37,7 +37,7 @@ bool RowRuns::find(const BondLattice& bonds, std::int64_t row, int unit)
   const std::uint8_t* strip = bonds.stripsOf(row);
   const NodeLayout& l = bonds.layout();
   const std::int64_t n = l.pitch / 16;
-  constexpr std::int64_t before = NodeLayout::margin / 16; // strips before x = 0
+  const std::int64_t before = l.before / 16; // strips before x = 0
   // To skip the bits saves less than to start a run costs, where the run is short.
   constexpr std::int64_t worthwhile = 4;
   for (std::int64_t s = 0; s < n;)

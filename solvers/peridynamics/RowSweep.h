@@ -91,8 +91,8 @@ void sweep(const NodeLayout& l, int reach, const Band& band, Zero&& zero, Visit&
 template <class Real>
 void clearRim(const NodeLayout& l, Real* row)
 {
-  std::fill(row - NodeLayout::margin, row, Real(0));
-  std::fill(row + l.size[0], row + l.pitch - NodeLayout::margin, Real(0));
+  std::fill(row - l.before, row, Real(0));
+  std::fill(row + l.size[0], row + l.pitch - l.before, Real(0));
 }
 
 } // namespace lamella::peridynamics

@@ -330,8 +330,8 @@ double stiffnessBytes(
   elastic.equilibrium = options.equilibrium;
   elastic.stress = true; // summed up after each solution
   const Stencil stencil(lattice.dimension, model.horizon);
-  const auto nodes =
-    static_cast<double>(NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks).count());
+  const auto nodes = static_cast<double>(
+    NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks, model.periodic[0]).count());
   // the mean strain's displacements and its load, and which nodes are loose
   return elasticBytes(model, lattice, grains, elastic, ranks) + nodes * (2 * 8 * lattice.dimension + 1);
 }

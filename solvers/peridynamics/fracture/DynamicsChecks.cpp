@@ -142,8 +142,8 @@ double dynamicsBytes(
   const BondModel& model, const Lattice& lattice, bool grains, const DynamicsStudyOptions& options, int ranks)
 {
   const Stencil stencil(lattice.dimension, model.horizon);
-  const auto nodes =
-    static_cast<double>(NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks).count());
+  const auto nodes = static_cast<double>(
+    NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks, model.periodic[0]).count());
   const double d = lattice.dimension;
   const bool file = !options.motion.checkpoint.path.empty() || !options.motion.continueFrom.empty();
   // displacement, velocity, force, load, imposed velocity; stress; masses; counts of bonds, damage

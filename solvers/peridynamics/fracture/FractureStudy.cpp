@@ -261,7 +261,8 @@ double fractureBytes(
   elastic.stress = options.stress;
   elastic.energyDensity = options.energyDensity;
   const Stencil stencil(lattice.dimension, model.horizon);
-  const NodeLayout layout = NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks);
+  const NodeLayout layout =
+    NodeLayout::largestPart(lattice.dimension, stencil.layers(), lattice.size, ranks, model.periodic[0]);
   const auto nodes = static_cast<double>(layout.count());
   const std::vector<NodeLayout> levels = levelLayouts(layout, ranks > 1);
   const bool rim = ranks > 1 || std::any_of(model.periodic.begin(), model.periodic.end(), [](bool p) { return p; });

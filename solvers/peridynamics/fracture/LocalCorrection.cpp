@@ -175,8 +175,8 @@ void EventHierarchy::restrictChange(std::size_t k)
             const std::int64_t fz = 2 * z + dz;
             if (fy < box.low[1] || fy >= box.high[1] || fz < box.low[2] || fz >= box.high[2])
               continue;
-            // the last coarse node may lie beyond the finer row's padding
-            const std::int64_t most = std::min(n, (l.size[0] + NodeLayout::margin) / 2 - 1 - to.low[0]);
+            const std::int64_t most =
+              std::min(n, coarse.size[0] - to.low[0]); // no further than the finer row's padding
             levelKernels().restrictRow(most, (dy == 0 ? 1.0F : 0.5F) * (dz == 0 ? 1.0F : 0.5F),
               level.change.component(c) + l.index(2 * to.low[0], fy, fz), sum.data());
           }

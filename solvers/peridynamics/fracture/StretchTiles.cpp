@@ -56,7 +56,7 @@ float StretchTiles::measure(const EventHierarchy& state, std::int64_t tile) cons
 {
   const NodeLayout& l = bonds_.layout();
   const Box box = boxOf(tile);
-  const std::int64_t stripAt = (NodeLayout::margin + box.low[0]) / strip;
+  const std::int64_t stripAt = (bonds_.layout().before + box.low[0]) / strip;
   bool some = false;
   forRows(box, [&](std::int64_t y, std::int64_t z) { some = some || bonds_.stripsOf(l.row(y, z))[stripAt] != 0; });
   if (!some)

@@ -144,8 +144,8 @@ void BondMultigrid::coarsen(const MatrixRows& rows)
     start[a] = l.start[a] / 2;
     global[a] = l.global[a] / 2 + (fine.periodic[a] ? 0 : 1);
   }
-  coarse->layout = NodeLayout::make(l.dimension, coarseReach(rows.reach), size, start, global);
   coarse->periodic = fine.periodic;
+  coarse->layout = NodeLayout::make(l.dimension, coarseReach(rows.reach), size, start, global, coarse->periodic[0]);
   coarse->comm = fine.comm;
   coarse->rim = LevelRim(coarse->layout, coarse->periodic, *coarse->comm);
   const bool pack = options_.packFrom > 0 && coarse->layout.owned() >= options_.packFrom && coarse->rimless();
@@ -250,8 +250,8 @@ void BondMultigrid::gather()
   Level& part = *levels_.back();
   part.gathered = true;
   auto whole = std::make_unique<Level>();
-  whole->layout =
-    NodeLayout::make(part.layout.dimension, part.layout.ghost, part.layout.global, { 0, 0, 0 }, part.layout.global);
+  whole->layout = NodeLayout::make(
+    part.layout.dimension, part.layout.ghost, part.layout.global, {}, part.layout.global, part.periodic[0]);
   whole->periodic = part.periodic;
   whole->comm = &alone_;
   whole->rim = LevelRim(whole->layout, whole->periodic, alone_);
@@ -278,8 +278,9 @@ void BondMultigrid::gatherField(
   for (std::size_t r = 1; r < counts.size(); ++r)
     begins[r] = begins[r - 1] + counts[r - 1];
   for (int c = 0; c < field.components(); ++c) // the pitch is the same
-    MPI_Allgatherv(field.component(c) + part.layout.ghost * layer, mine, MPI_FLOAT,
-      out.component(c) + whole.layout.ghost * layer, counts.data(), begins.data(), MPI_FLOAT, comm.handle());
+    MPI_Allgatherv(field.component(c) + part.layout.begin(0) + part.layout.ghost * layer, mine, MPI_FLOAT,
+      out.component(c) + whole.layout.begin(0) + whole.layout.ghost * layer, counts.data(), begins.data(), MPI_FLOAT,
+      comm.handle());
 }
 
 void BondMultigrid::shareOut(const LayerShare& layers)
@@ -419,8 +420,8 @@ void BondMultigrid::cycle(std::size_t index, bool fromZero)
     const auto a = static_cast<std::size_t>(level.layout.dimension - 1);
     const std::int64_t layer = (level.layout.dimension == 3 ? level.layout.rowsY() : 1) * level.layout.pitch;
     for (int c = 0; c < level.layout.dimension; ++c)
-      std::copy_n(whole.x.component(c) + (whole.layout.ghost + level.layout.start[a]) * layer,
-        level.layout.size[a] * layer, level.x.component(c) + level.layout.ghost * layer);
+      std::copy_n(whole.x.component(c) + whole.layout.begin(0) + (whole.layout.ghost + level.layout.start[a]) * layer,
+        level.layout.size[a] * layer, level.x.component(c) + level.layout.begin(0) + level.layout.ghost * layer);
     return;
   }
   smooth(index, fromZero);

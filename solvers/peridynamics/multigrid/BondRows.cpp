@@ -37,7 +37,7 @@ MatrixRows rowsOfBonds(const BondLattice& bonds, const FixedComponents& fixed, c
   }
   rows.block = [&bonds, &fixed, l, all, table, kinds](int q, std::int64_t y, std::int64_t z, float* out, std::int64_t)
   {
-    const std::uint8_t* strips = bonds.stripsOf(l.row(y, z)) + NodeLayout::margin / 16;
+    const std::uint8_t* strips = bonds.stripsOf(l.row(y, z)) + l.before / 16;
     const std::int64_t first = l.index(0, y, z);
     const std::int64_t jump = bonds.jump(q);
     const float* k = table.data() + static_cast<std::size_t>(q) * kinds;

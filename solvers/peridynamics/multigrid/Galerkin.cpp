@@ -158,7 +158,7 @@ public:
     , folded_(natural_.size())
     , split_(static_cast<std::size_t>(2 * stride_ * entries_))
     , seam_(split_.size())
-    , sums_((coarse.half.size() + 1) * static_cast<std::size_t>(coarse.layout.pitch))
+    , sums_((coarse.half.size() + 1) * static_cast<std::size_t>(coarse.layout.bufferLength()))
     , touched_(coarse.half.size() + 1, 0)
     , whole_(coarse.packed() ? coarse.half.size() * static_cast<std::size_t>(entries_ * coarse.layout.size[0]) : 0)
   {
@@ -292,11 +292,11 @@ private:
         continue;
       }
       const auto slot = static_cast<std::size_t>(t.target + 1);
-      float* to = sums_.data() + static_cast<std::int64_t>(slot) * coarse_.layout.pitch;
+      float* to = sums_.data() + static_cast<std::int64_t>(slot) * coarse_.layout.bufferLength();
       if (touched_[slot] == 0)
       {
         touched_[slot] = 1;
-        std::fill_n(to, coarse_.layout.pitch, 0.0F);
+        std::fill_n(to, coarse_.layout.bufferLength(), 0.0F);
       }
       levelKernels().axpy(at.last - at.first, t.weight, from, to + NodeLayout::margin + at.first);
     }
@@ -310,7 +310,8 @@ private:
       if (touched_[slot] == 0)
         continue;
       touched_[slot] = 0;
-      const float* from = sums_.data() + static_cast<std::int64_t>(slot) * l.pitch + NodeLayout::margin - l.ghost;
+      const float* from =
+        sums_.data() + static_cast<std::int64_t>(slot) * l.bufferLength() + NodeLayout::margin - l.ghost;
       for (int e = 0; e < entries_; ++e)
         if (tensor[static_cast<std::size_t>(e)] != 0)
           add(static_cast<int>(slot) - 1, e, y, z, { -l.ghost, l.size[0] + l.ghost },
@@ -318,11 +319,11 @@ private:
     }
   }
 
-  /// Adds weight times some values to an entry of coarse row (y, z). What is not the coarse level's own is zero where
-  /// it has no rim.
+  /// Adds weight times some values to an entry of coarse row (y, z). What lies before and after the own nodes is zero
+  /// where sides across x are not periodic.
   void add(int target, int e, std::int64_t y, std::int64_t z, Range at, float weight, const float* from)
   {
-    if (coarse_.rimless())
+    if (coarse_.layout.before == 0)
     {
       const std::int64_t first = at.first;
       at = { std::max<std::int64_t>(at.first, 0), std::min(at.last, coarse_.layout.size[0]) };

@@ -46,7 +46,7 @@ void LayerShare::exchange(NodeField<Real>& field, std::int64_t depth) const
   const int below = comm_->rank() > 0 ? comm_->rank() - 1 : MPI_PROC_NULL;
   const int above = comm_->rank() + 1 < comm_->size() ? comm_->rank() + 1 : MPI_PROC_NULL;
   std::vector<MPI_Request> requests;
-  const auto at = [&](int c, std::int64_t from) { return field.component(c) + (from + l.ghost) * layer; };
+  const auto at = [&](int c, std::int64_t from) { return field.component(c) + l.begin(0) + (from + l.ghost) * layer; };
   for (int c = 0; c < field.components(); ++c)
   {
     MPI_Irecv(at(c, first() - depth), bytes, MPI_BYTE, below, 73, comm_->handle(), &requests.emplace_back());
@@ -86,7 +86,7 @@ void LayerShare::gather(NodeField<Real>& field, std::int64_t from, std::int64_t 
   const NodeLayout& l = field.layout();
   const std::int64_t layer = (l.dimension == 3 ? l.rowsY() : 1) * l.pitch;
   for (int c = 0; c < field.components(); ++c)
-    gatherBytes(reinterpret_cast<std::byte*>(field.component(c) + l.ghost * layer),
+    gatherBytes(reinterpret_cast<std::byte*>(field.component(c) + l.begin(0) + l.ghost * layer),
       layer * static_cast<std::int64_t>(sizeof(Real)), from, to);
 }
 

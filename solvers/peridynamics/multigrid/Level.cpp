@@ -54,7 +54,7 @@ void Level::arrange()
   AlignedArray<float> values(count * layout.count());
   for (std::int64_t row = 0; row < layout.rows(); ++row)
     for (int c = 0; c < static_cast<int>(count); ++c)
-      std::copy_n(blocks.component(c) + row * pitch_, pitch_, values.data() + (row * count + c) * pitch_);
+      std::copy_n(blocks.component(c) + layout.begin(row), pitch_, values.data() + (row * count + c) * pitch_);
   values_ = std::move(values);
   blocks = NodeField<float>();
   findJumps();

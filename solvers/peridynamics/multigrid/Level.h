@@ -113,13 +113,12 @@ private:
   [[nodiscard]] std::int64_t components() const noexcept { return static_cast<std::int64_t>(half.size()) * entries(); }
   [[nodiscard]] std::int64_t place(int component, std::int64_t index) const noexcept
   {
-    std::int64_t row = index / layout.pitch;
-    std::int64_t column = index % layout.pitch;
+    std::int64_t row = layout.rowOf(index);
+    std::int64_t column = layout.xOf(index);
     if (tight_)
-    {
       row = (row / layout.rowsY() - layout.ghostZ()) * layout.size[1] + row % layout.rowsY() - layout.ghost;
-      column -= NodeLayout::margin;
-    }
+    else
+      column += layout.before;
     return (row * components() + component) * pitch_ + column;
   }
   void findJumps();

@@ -69,7 +69,7 @@ void LevelRim::addBack(NodeField<Real>& field) const
   const auto wrapped = [](std::int64_t i, std::int64_t size) { return ((i % size) + size) % size; };
   for (int c = 0; c < field.components(); ++c)
   {
-    Real* v = field.component(c);
+    Real* v = field.component(c) + l.begin(0);
     if (below_ >= 0 || above_ >= 0)
     {
       pass(*comm_, v + (g + n) * layer, above_, come.data(), below_, layer);
@@ -90,7 +90,7 @@ void LevelRim::addBack(NodeField<Real>& field) const
       for (std::int64_t z = 0; z < l.size[2]; ++z)
         for (std::int64_t y = 0; y < ny; ++y)
         {
-          Real* row = v + l.index(0, y, z);
+          Real* row = field.component(c) + l.index(0, y, z);
           for (std::int64_t i = 0; i < g; ++i)
           {
             row[wrapped(-1 - i, nx)] += row[-1 - i];

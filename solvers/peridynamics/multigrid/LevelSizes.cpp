@@ -26,8 +26,8 @@ std::vector<NodeLayout> levelLayouts(const NodeLayout& finest, bool parallel)
     if (parallel && nodesOf(levels.back().global) <= options.gather)
     {
       parallel = false; // from here on whole on every rank
-      levels.push_back(
-        NodeLayout::make(finest.dimension, levels.back().ghost, levels.back().global, {}, levels.back().global));
+      levels.push_back(NodeLayout::make(
+        finest.dimension, levels.back().ghost, levels.back().global, {}, levels.back().global, finest.before > 0));
     }
     const NodeLayout fine = levels.back();
     std::array<std::int64_t, 3> size = fine.size;
@@ -39,7 +39,7 @@ std::vector<NodeLayout> levelLayouts(const NodeLayout& finest, bool parallel)
     }
     if (nodesOf(global) >= nodesOf(fine.global))
       break;
-    levels.push_back(NodeLayout::make(fine.dimension, coarseReach(fine.ghost), size, {}, global));
+    levels.push_back(NodeLayout::make(fine.dimension, coarseReach(fine.ghost), size, {}, global, finest.before > 0));
   }
   return levels;
 }
