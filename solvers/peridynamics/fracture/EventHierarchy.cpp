@@ -68,10 +68,12 @@ EventHierarchy::EventHierarchy(
   restrictAll();
 }
 
-// In space the matrices are most of the memory, and what products wait for.
+// In space there are many nodes, and so memory is short; the matrices are most of it, and what products wait for. In
+// the plane cracks are to go the ways that they went.
 MultigridOptions EventHierarchy::multigridOptions(int dimension) noexcept
 {
   MultigridOptions options;
+  options.lean = dimension == 3;
   options.packFrom = dimension == 3 ? options.gather : 0;
   if (dimension == 2)
     options.twiceFrom = 4; // the larger levels twice cost more than the iterations that they save
@@ -136,6 +138,8 @@ void EventHierarchy::build()
 std::int64_t EventHierarchy::bytes() const noexcept
 {
   std::int64_t total = multigrid_->bytes() + springs_.bytes() + slow_.bytes();
+  for (const NodeField<float>& f : work_)
+    total += f.components() * f.layout().count() * static_cast<std::int64_t>(sizeof(float));
   for (const EventLevel& level : levels_)
     total += 4 * level.w.components() * level.w.layout().count() * static_cast<std::int64_t>(sizeof(float));
   const std::int64_t nodes = base_.components() * base_.layout().count();
@@ -303,7 +307,7 @@ double EventHierarchy::inconsistency()
     const Box all = whole(levels_[k].w.layout());
     if (k == 0)
       springs_.read(bonds_, all);
-    product(k, all, levels_[k].total, residual[k]);
+    product(k, all, { levels_[k].total }, { residual[k] });
     for (int c = 0; c < bonds_.dimension(); ++c)
       for (std::int64_t i = 0; i < levels_[k].w.layout().count(); ++i)
         residual[k].component(c)[i] += levels_[k].g.component(c)[i];

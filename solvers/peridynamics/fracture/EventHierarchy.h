@@ -139,7 +139,8 @@ private:
   /// @param known the level's r is the residual of its window already
   double relax(std::size_t level, int steps, bool known);
   /// out = −A u on the rows of a box.
-  void product(std::size_t level, const Box& box, const NodeField<float>& u, NodeField<float>& out);
+  void product(std::size_t level, const Box& box, const WindowField& u, const WindowField& out);
+  void makeRoom();
   void restrictChange(std::size_t level);
   void relaxCoarsest();
   void measureResidual();
@@ -186,6 +187,9 @@ private:
   std::vector<Box> inner_; ///< windows of the levels
   std::vector<Box> outer_; ///< what their product reaches
   SpringWindow springs_;
+  /// Residual, direction and product of a window on the finest level, where the hierarchy has none; with the reach of
+  /// bonds around it.
+  std::array<NodeField<float>, 3> work_;
 };
 
 } // namespace lamella::peridynamics

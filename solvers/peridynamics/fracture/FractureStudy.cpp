@@ -279,7 +279,7 @@ double fractureBytes(
   // the state before, and the way from it
   const double contact = options.fracture.contact ? 2 * 8 * d * nodes : 0;
   const double packed = methodOf(options, model) == FractureMethod::Events ? multigridBytes(levels, rim).held -
-      multigridBytes(levels, rim, EventHierarchy::multigridOptions(lattice.dimension).packFrom).held
+      multigridBytes(levels, rim, EventHierarchy::multigridOptions(lattice.dimension)).held
                                                                            : 0;
   return elasticBytes(model, lattice, grains, elastic, ranks) - packed + checkpoint + states + contact +
     4 * 4 * d * onLevels + nodes * (8 + (options.displacement ? 16 * d : 0) + 8 * 3);

@@ -12,11 +12,11 @@ namespace
 // Of conjugate gradients, down and up. One up does nearly what two do: the residual that is left is met again on the
 // way down.
 constexpr int stepsDown = 2;
-constexpr int stepsUp = 1;
+constexpr int stepsUp = 1; // in the plane
 
 } // namespace
 
-void EventHierarchy::product(std::size_t k, const Box& box, const NodeField<float>& u, NodeField<float>& out)
+void EventHierarchy::product(std::size_t k, const Box& box, const WindowField& u, const WindowField& out)
 {
   if (k == 0)
   {
@@ -24,7 +24,7 @@ void EventHierarchy::product(std::size_t k, const Box& box, const NodeField<floa
     return;
   }
   const Level& level = multigrid_->level(k);
-  const NodeLayout& l = level.layout;
+  const NodeLayout& l = level.layout; // of both fields, too
   const std::int64_t n = box.high[0] - box.low[0];
   BlockRow row;
   forRows(box,
@@ -33,14 +33,14 @@ void EventHierarchy::product(std::size_t k, const Box& box, const NodeField<floa
       const std::int64_t i = l.index(box.low[0], y, z);
       for (int c = 0; c < l.dimension; ++c)
       {
-        row.here[c] = u.component(c) + i;
-        row.out[c] = out.component(c) + i;
+        row.here[c] = u.field.component(c) + i;
+        row.out[c] = out.field.component(c) + i;
         std::fill_n(row.out[c], n, 0.0F);
       }
       level.pointTo(row, i);
       levelKernels().subtractProduct(l.dimension, n, row);
     });
-  level.addBroken(u, out, box.low, box.high);
+  level.addBroken(u.field, out.field, box.low, box.high);
 }
 
 // Conjugate gradients, preconditioned by the nodes' blocks, on a level's window.
@@ -53,13 +53,17 @@ double EventHierarchy::relax(std::size_t k, int count, bool known)
   const Box& out = outer_[k];
   const std::int64_t n = in.high[0] - in.low[0];
   const std::int64_t wide = out.high[0] - out.low[0];
-  NodeField<float>& r = matrix.r;
-  NodeField<float>& p = matrix.d;
-  NodeField<float>& q = matrix.x; // the product, then D⁻¹ r
+  const bool lean = matrix.r.components() == 0;
+  const auto work = [&](NodeField<float>& own, std::size_t i) {
+    return lean ? WindowField{ work_[i], out.low } : WindowField{ own };
+  };
+  const WindowField r = work(matrix.r, 0);
+  const WindowField p = work(matrix.d, 1);
+  const WindowField q = work(matrix.x, 2); // the product, then D⁻¹ r
   const LevelKernels& kernels = levelKernels();
   const EventKernels& event = eventKernels();
 
-  const auto precondition = [&](NodeField<float>& z)
+  const auto precondition = [&](const WindowField& z)
   {
     double sum = 0;
     forRows(in,
@@ -73,8 +77,8 @@ double EventHierarchy::relax(std::size_t k, int count, bool known)
           inverse[e] = matrix.inverse.component(e) + i;
         for (int c = 0; c < l.dimension; ++c)
         {
-          from[c] = r.component(c) + i;
-          to[c] = z.component(c) + i;
+          from[c] = r.row(c, in.low[0], y, at);
+          to[c] = z.row(c, in.low[0], y, at);
         }
         sum += event.precondition(l.dimension, n, inverse, from, to);
       });
@@ -82,13 +86,13 @@ double EventHierarchy::relax(std::size_t k, int count, bool known)
   };
   if (!known)
   {
-    product(k, in, level.total, r);
+    product(k, in, { level.total }, r);
     forRows(in,
       [&](std::int64_t y, std::int64_t z)
       {
         const std::int64_t i = l.index(in.low[0], y, z);
         for (int c = 0; c < l.dimension; ++c)
-          kernels.axpy(n, 1.0F, level.g.component(c) + i, r.component(c) + i);
+          kernels.axpy(n, 1.0F, level.g.component(c) + i, r.row(c, in.low[0], y, z));
       });
   }
   double rz = precondition(p);
@@ -99,9 +103,8 @@ double EventHierarchy::relax(std::size_t k, int count, bool known)
     forRows(in,
       [&](std::int64_t y, std::int64_t z)
       {
-        const std::int64_t i = l.index(in.low[0], y, z);
         for (int c = 0; c < l.dimension; ++c)
-          pq -= event.dot(n, p.component(c) + i, q.component(c) + i);
+          pq -= event.dot(n, p.row(c, in.low[0], y, z), q.row(c, in.low[0], y, z));
       });
     if (!(pq > 0))
       break;
@@ -111,7 +114,7 @@ double EventHierarchy::relax(std::size_t k, int count, bool known)
       {
         const std::int64_t i = l.index(out.low[0], y, z);
         for (int c = 0; c < l.dimension; ++c)
-          kernels.axpy(wide, alpha, q.component(c) + i, level.change.component(c) + i);
+          kernels.axpy(wide, alpha, q.row(c, out.low[0], y, z), level.change.component(c) + i);
       });
     forRows(in,
       [&](std::int64_t y, std::int64_t z)
@@ -119,9 +122,10 @@ double EventHierarchy::relax(std::size_t k, int count, bool known)
         const std::int64_t i = l.index(in.low[0], y, z);
         for (int c = 0; c < l.dimension; ++c)
         {
-          kernels.axpy(n, alpha, p.component(c) + i, level.w.component(c) + i);
-          kernels.axpy(n, alpha, p.component(c) + i, level.total.component(c) + i);
-          kernels.axpy(n, alpha, q.component(c) + i, r.component(c) + i);
+          const float* along = p.row(c, in.low[0], y, z);
+          kernels.axpy(n, alpha, along, level.w.component(c) + i);
+          kernels.axpy(n, alpha, along, level.total.component(c) + i);
+          kernels.axpy(n, alpha, q.row(c, in.low[0], y, z), r.row(c, in.low[0], y, z));
         }
       });
     const double next = precondition(q);
@@ -131,18 +135,33 @@ double EventHierarchy::relax(std::size_t k, int count, bool known)
       forRows(in,
         [&](std::int64_t y, std::int64_t z)
         {
-          const std::int64_t i = l.index(in.low[0], y, z);
           for (int c = 0; c < l.dimension; ++c)
-            event.direction(n, q.component(c) + i, beta, p.component(c) + i);
+            event.direction(n, q.row(c, in.low[0], y, z), beta, p.row(c, in.low[0], y, z));
         });
   }
   forRows(in,
     [&](std::int64_t y, std::int64_t z)
     {
       for (int c = 0; c < l.dimension; ++c)
-        std::fill_n(p.component(c) + l.index(in.low[0], y, z), n, 0.0F);
+        std::fill_n(p.row(c, in.low[0], y, z), n, 0.0F);
     });
   return rz;
+}
+
+// For relax() on the finest window; the direction is zero outside of it.
+void EventHierarchy::makeRoom()
+{
+  if (multigrid_->level(0).r.components() > 0)
+    return;
+  const NodeLayout& l = bonds_.layout();
+  const Box& box = outer_.front();
+  std::array<std::int64_t, 3> size{};
+  for (std::size_t a = 0; a < 3; ++a)
+    size[a] = box.high[a] - box.low[a];
+  const NodeLayout window = NodeLayout::make(l.dimension, l.ghost, size, {}, size, false);
+  if (work_.front().layout() != window)
+    for (NodeField<float>& f : work_)
+      f = NodeField<float>(window);
 }
 
 // What relaxation changed of a level's residual, handed to the next level.
@@ -219,6 +238,7 @@ EventHierarchy::Local EventHierarchy::correct(
   looked_ = false;
   nest(box, radius, coarseRadius);
   springs_.read(bonds_, outer_.front());
+  makeRoom();
   Local local;
   local.window = inner_.front();
   const std::size_t last = levels_.size() - 1;

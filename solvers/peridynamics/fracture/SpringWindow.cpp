@@ -61,7 +61,6 @@ SpringWindow::SpringWindow(const BondLattice& bonds)
   {
     const Offset& half = bonds.stencil().half()[static_cast<std::size_t>(o)];
     steps_.push_back(half.step);
-    jumps_.push_back(bonds.jump(o));
     for (std::size_t a = 0; a < 3; ++a)
       directions_[a].push_back(static_cast<float>(half.step[a] / half.length));
     std::vector<float> table(std::max<std::size_t>(4, std::size_t{ 1 } << bonds.planes()), 0.0F);
@@ -105,10 +104,18 @@ void SpringWindow::read(const BondLattice& bonds, const Box& box)
     });
 }
 
-void SpringWindow::product(const NodeField<float>& u, NodeField<float>& out, std::int64_t y, std::int64_t z,
-  std::int64_t low, std::int64_t high) const
+void SpringWindow::product(
+  const WindowField& u, const WindowField& out, std::int64_t y, std::int64_t z, std::int64_t low, std::int64_t high)
 {
-  const NodeLayout& l = u.layout();
+  const NodeLayout& l = u.field.layout();
+  if (l.pitch != pitch_ || l.rowsY() != rowsY_)
+  {
+    pitch_ = l.pitch;
+    rowsY_ = l.rowsY();
+    jumps_.clear();
+    for (const auto& s : steps_)
+      jumps_.push_back(s[0] + pitch_ * (s[1] + rowsY_ * s[2]));
+  }
   const float* spring[mostOffsets];
   const float* back[mostOffsets];
   SpringRows rows{};
@@ -122,11 +129,10 @@ void SpringWindow::product(const NodeField<float>& u, NodeField<float>& out, std
   }
   rows.spring = spring;
   rows.back = back;
-  const std::int64_t i = l.index(low, y, z);
   for (int c = 0; c < dimension_; ++c)
   {
-    rows.here[c] = u.component(c) + i;
-    rows.out[c] = out.component(c) + i;
+    rows.here[c] = u.row(c, low, y, z);
+    rows.out[c] = out.row(c, low, y, z);
     rows.direction[c] = directions_[static_cast<std::size_t>(c)].data();
   }
   eventKernels().springs(dimension_, high - low, rows);

@@ -53,6 +53,18 @@ void forManyRows(const Box& box, F&& f)
     f(box.low[1] + i % ny, box.low[2] + i / ny);
 }
 
+/// A field of a level, or of a part of it, by the level's nodes.
+struct WindowField
+{
+  NodeField<float>& field;
+  std::array<std::int64_t, 3> first{ 0, 0, 0 }; ///< node of the level that is the field's first
+
+  [[nodiscard]] float* row(int c, std::int64_t x, std::int64_t y, std::int64_t z) const noexcept
+  {
+    return field.component(c) + field.layout().index(x - first[0], y - first[1], z - first[2]);
+  }
+};
+
 /// The springs of the bonds in a box of the finest level, written out: the bits are looked at once, the product is
 /// taken several times.
 class SpringWindow
@@ -63,8 +75,9 @@ public:
   /// @param box nodes whose products will be asked for
   void read(const BondLattice& bonds, const Box& box);
   /// out = −A u at the nodes low ≤ x < high of a row in the box.
-  void product(const NodeField<float>& u, NodeField<float>& out, std::int64_t y, std::int64_t z, std::int64_t low,
-    std::int64_t high) const;
+  /// @param u, out of the layout of `at`; what lies in the box is there
+  void product(
+    const WindowField& u, const WindowField& out, std::int64_t y, std::int64_t z, std::int64_t low, std::int64_t high);
   [[nodiscard]] std::int64_t bytes() const noexcept
   {
     return static_cast<std::int64_t>(values_.capacity() * sizeof(float));
@@ -80,7 +93,9 @@ private:
   int reach_;
   std::int64_t count_; ///< bonds of the half stencil
   std::vector<std::array<int, 3>> steps_;
-  std::vector<std::int64_t> jumps_;
+  std::vector<std::int64_t> jumps_; ///< in the fields of the last product
+  std::int64_t pitch_ = 0;          ///< of these
+  std::int64_t rowsY_ = 0;          ///<
   std::array<std::vector<float>, 3> directions_;
   std::vector<std::vector<float>> tables_; ///< k/|ξ| by kind, of each bond of the stencil
   Box rows_;                               ///< what is written out

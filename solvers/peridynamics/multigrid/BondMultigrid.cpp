@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace lamella::peridynamics
 {
@@ -77,6 +78,10 @@ BondMultigrid::BondMultigrid(
   for (const auto& level : levels_)
     level->arrange();
   translation_ = NodeField<float>();
+  if (options_.lean && (options_.degree != 1 || levels_.size() < 2 || levels_.front()->gathered))
+    throw std::logic_error("a lean hierarchy smooths once, and has a coarser level at hand");
+  if (options_.lean)
+    levels_.front()->r = levels_.front()->d = NodeField<float>();
 }
 
 NodeField<float> BondMultigrid::buildFinest()
@@ -322,11 +327,7 @@ void BondMultigrid::subtract(std::size_t index)
     subtractProduct(level, level.d, level.r);
     return;
   }
-  ++products_;
-  if (level.shared)
-    linearForceOfLayers(bonds_, level.d, force_, level.share.first(), level.share.last());
-  else
-    linearForce(bonds_, level.d, force_); // −A d
+  multiply(level.d);
   forOwnRows(level,
     [&](std::int64_t y, std::int64_t z)
     {
@@ -337,6 +338,47 @@ void BondMultigrid::subtract(std::size_t index)
   release(level.r);
 }
 
+void BondMultigrid::multiply(NodeField<float>& u)
+{
+  const Level& level = *levels_.front();
+  ++products_;
+  if (level.shared)
+    linearForceOfLayers(bonds_, u, force_, level.share.first(), level.share.last());
+  else
+    linearForce(bonds_, u, force_);
+}
+
+void BondMultigrid::leanResidual(const NodeField<float>& input)
+{
+  Level& level = *levels_.front();
+  level.rim.fill(level.x);
+  if (level.shared)
+    level.share.exchange(level.x, reach(level));
+  multiply(level.x);
+  forOwnRows(level,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = level.layout.index(0, y, z);
+      for (int c = 0; c < level.layout.dimension; ++c)
+        levelKernels().axpy(level.layout.size[0], 1.0F, input.component(c) + i, force_.component(c) + i);
+    });
+  release(force_);
+}
+
+// What is fixed has no inverse, so nothing need be taken out of the input.
+void BondMultigrid::leanCycle(const NodeField<float>& input)
+{
+  Level& level = *levels_.front();
+  const float scale = 4.0F / (3.0F * level.lambda);
+  chebyshev(level, input, 0.0F, scale, true);
+  leanResidual(input);
+  restrictResidual(0, force_);
+  visit(1);
+  interpolate(0);
+  leanResidual(input);
+  chebyshev(level, force_, 0.0F, scale, false);
+}
+
 void BondMultigrid::release(NodeField<float>& field) const
 {
   for (const std::int64_t i : fixedNodes_)
@@ -345,8 +387,9 @@ void BondMultigrid::release(NodeField<float>& field) const
         field.component(c)[i] = 0;
 }
 
-void BondMultigrid::chebyshev(Level& level, float a, float b, bool first)
+void BondMultigrid::chebyshev(Level& level, const NodeField<float>& residual, float a, float b, bool first)
 {
+  const bool kept = level.d.components() > 0;
   const NodeLayout& l = level.layout;
   forOwnRows(level,
     [&](std::int64_t y, std::int64_t z)
@@ -356,12 +399,15 @@ void BondMultigrid::chebyshev(Level& level, float a, float b, bool first)
       const float* r[3];
       float* d[3];
       float* x[3];
+      thread_local std::vector<float> step; // nobody asks for it afterwards
+      if (!kept)
+        step.resize(static_cast<std::size_t>(l.size[0]));
       for (int e = 0; e < level.entries(); ++e)
         inverse[e] = level.inverse.component(e) + i;
       for (int c = 0; c < l.dimension; ++c)
       {
-        r[c] = level.r.component(c) + i;
-        d[c] = level.d.component(c) + i;
+        r[c] = residual.component(c) + i;
+        d[c] = kept ? level.d.component(c) + i : step.data();
         x[c] = level.x.component(c) + i;
       }
       levelKernels().chebyshev(l.dimension, l.size[0], a, b, inverse, r, d, x, first);
@@ -373,12 +419,12 @@ void BondMultigrid::smooth(std::size_t index, bool first)
 {
   Level& level = *levels_[index];
   const float scale = 4.0F / level.lambda;
-  chebyshev(level, 0.0F, scale / 3.0F, first);
+  chebyshev(level, level.r, 0.0F, scale / 3.0F, first);
   for (int k = 1; k < options_.degree; ++k)
   {
     subtract(index);
     const auto n = static_cast<float>(2 * k + 3);
-    chebyshev(level, static_cast<float>(2 * k - 1) / n, scale * static_cast<float>(2 * k + 1) / n, false);
+    chebyshev(level, level.r, static_cast<float>(2 * k - 1) / n, scale * static_cast<float>(2 * k + 1) / n, false);
   }
 }
 
@@ -428,20 +474,20 @@ void BondMultigrid::cycle(std::size_t index, bool fromZero)
   if (index + 1 == levels_.size())
     return;
   subtract(index);
-  restrictResidual(index);
+  restrictResidual(index, level.r);
   visit(index + 1);
   interpolate(index);
   subtract(index);
   smooth(index, false);
 }
 
-void BondMultigrid::restrictResidual(std::size_t index)
+void BondMultigrid::restrictResidual(std::size_t index, NodeField<float>& residual)
 {
   Level& level = *levels_[index];
   Level& next = *levels_[index + 1];
-  level.rim.fill(level.r);
+  level.rim.fill(residual);
   if (level.shared)
-    level.share.exchange(level.r, 1);
+    level.share.exchange(residual, 1);
   const NodeLayout& l = level.layout;
   const NodeLayout& c = next.layout;
   const std::array<bool, 3> folded = foldedAxes(level);
@@ -471,7 +517,7 @@ void BondMultigrid::restrictResidual(std::size_t index)
             if (2 * y + dy >= l.size[1] + l.ghost || 2 * z + dz >= l.size[2] + l.ghostZ())
               continue;
             const float weight = (dy == 0 ? 1.0F : 0.5F) * (dz == 0 ? 1.0F : 0.5F);
-            const float* from = level.r.component(a) + l.index(0, 2 * y + dy, 2 * z + dz);
+            const float* from = residual.component(a) + l.index(0, 2 * y + dy, 2 * z + dz);
             levelKernels().restrictRow(c.size[0], weight, from, to);
             if (folded[0])
             {
@@ -485,7 +531,6 @@ void BondMultigrid::restrictResidual(std::size_t index)
     next.share.gather(next.r);
 }
 
-// The correction from the next level, into d and onto x.
 void BondMultigrid::interpolate(std::size_t index)
 {
   Level& level = *levels_[index];
@@ -496,11 +541,15 @@ void BondMultigrid::interpolate(std::size_t index)
   const NodeLayout& l = level.layout;
   const NodeLayout& c = next.layout;
   const std::array<bool, 3> folded = foldedAxes(level);
+  const bool kept = level.d.components() > 0;
   const auto position = [&](std::size_t a, std::int64_t i)
   { return folded[a] && i + l.start[a] == l.global[a] - 1 ? i - 1 : i; };
   forOwnRows(level,
     [&](std::int64_t y, std::int64_t z)
     {
+      thread_local std::vector<float> step;
+      if (!kept)
+        step.resize(static_cast<std::size_t>(l.size[0]));
       const std::int64_t atY = position(1, y);
       const std::int64_t atZ = position(2, z);
       for (int a = 0; a < l.dimension; ++a)
@@ -511,7 +560,7 @@ void BondMultigrid::interpolate(std::size_t index)
           for (std::int64_t cy = atY / 2; cy <= (atY + 1) / 2; ++cy)
             rows[count++] = next.x.component(a) + c.index(0, cy, cz);
         const std::int64_t i = l.index(0, y, z);
-        float* d = level.d.component(a) + i;
+        float* d = kept ? level.d.component(a) + i : step.data();
         levelKernels().interpolateRow(
           l.size[0] - (folded[0] ? 1 : 0), 1.0F / static_cast<float>(count), count, rows, d);
         if (folded[0])
@@ -521,7 +570,8 @@ void BondMultigrid::interpolate(std::size_t index)
     });
   if (index == 0)
   {
-    release(level.d);
+    if (kept)
+      release(level.d);
     release(level.x);
   }
 }
@@ -548,7 +598,7 @@ void BondMultigrid::estimateSpectrum(std::size_t index)
   double lambda = 0;
   for (int k = 0; k < steps; ++k)
   {
-    chebyshev(level, 0.0F, 1.0F, true); // d = D⁻¹ r
+    chebyshev(level, level.r, 0.0F, 1.0F, true); // d = D⁻¹ r
     const double before = level.comm->sum(dot(level.r, level.d));
     if (!(before > 0))
       break;
@@ -595,6 +645,11 @@ const NodeField<float>& BondMultigrid::apply(const NodeField<double>& input, dou
 const NodeField<float>& BondMultigrid::apply(const NodeField<float>& input)
 {
   Level& top = *levels_.front();
+  if (options_.lean)
+  {
+    leanCycle(input);
+    return top.x;
+  }
   return applyTo(
     [&](std::int64_t i, int c) { std::copy_n(input.component(c) + i, top.layout.size[0], top.r.component(c) + i); });
 }

@@ -47,6 +47,7 @@ public:
     NodeField<float>* work = nullptr);
 
   /// x = M r: `input` is taken as zero where components are fixed. The rim of the result is not filled. Collective.
+  /// Not of a lean one.
   const NodeField<float>& apply(const NodeField<double>& input, double scale);
   /// The same of a field of single precision.
   const NodeField<float>& apply(const NodeField<float>& input);
@@ -62,7 +63,8 @@ public:
   /// for itself.
   void shareOut(const LayerShare& layers);
 
-  /// For those who relax on parts of the levels: the matrix, and x, r and d, which apply() overwrites.
+  /// For those who relax on parts of the levels: the matrix, and x, r and d, which apply() overwrites; the finest level
+  /// of a lean one has x alone.
   [[nodiscard]] Level& level(std::size_t index) noexcept { return *levels_[index]; }
   [[nodiscard]] const Level& level(std::size_t index) const noexcept { return *levels_[index]; }
   /// x = A⁺ r of the coarsest level.
@@ -91,15 +93,21 @@ private:
   /// x = M r of the finest level, after row(i, c) has filled r: of component c, from position i on.
   template <class F>
   const NodeField<float>& applyTo(F&& row);
+  /// x = M r of a lean finest level
+  void leanCycle(const NodeField<float>& input);
+  /// force = input − A x of the finest level, zero where components are fixed
+  void leanResidual(const NodeField<float>& input);
+  /// force = −A u of the finest level
+  void multiply(NodeField<float>& u);
   /// x += M r of a level, or x = M r
   void cycle(std::size_t index, bool fromZero);
   void visit(std::size_t index);
   void smooth(std::size_t index, bool first);
-  void chebyshev(Level& level, float a, float b, bool first);
+  void chebyshev(Level& level, const NodeField<float>& residual, float a, float b, bool first);
   /// r −= A d of a level, after filling the rim of d
   void subtract(std::size_t index);
-  void restrictResidual(std::size_t index);
-  /// correction of the next level into d of this one
+  void restrictResidual(std::size_t index, NodeField<float>& residual);
+  /// correction of the next level into d of this one, where it has one, and onto x
   void interpolate(std::size_t index);
   void invertFinest(std::int64_t index);
   /// zero where components are fixed

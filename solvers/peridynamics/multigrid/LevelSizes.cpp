@@ -1,7 +1,6 @@
 #include "peridynamics/multigrid/LevelSizes.h"
 
 #include "peridynamics/multigrid/Galerkin.h"
-#include "peridynamics/multigrid/MultigridOptions.h"
 
 #include <algorithm>
 
@@ -44,20 +43,20 @@ std::vector<NodeLayout> levelLayouts(const NodeLayout& finest, bool parallel)
   return levels;
 }
 
-MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels, bool rim, std::int64_t packFrom)
+MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels, bool rim, const MultigridOptions& options)
 {
   const int d = levels.front().dimension;
   const double entries = blockEntries(d);
   const auto finest = static_cast<double>(levels.front().count());
   // inverses and three vectors of each; of the finest the force, of the others diagonal blocks, traces and the matrix
-  double floats = finest * (entries + 4 * d);
+  double floats = finest * (entries + (options.lean ? 2 : 4) * d);
   double largest = 0; // matrix: it is there twice while it is put in order
   for (std::size_t k = 1; k < levels.size(); ++k)
   {
     const auto nodes = static_cast<double>(levels[k].count());
     const double stored = rim ? nodes : static_cast<double>(Level::rimlessNodes(levels[k]));
     const double matrix = stored * entries * static_cast<double>(forwardNeighbours(d, levels[k].ghost).size());
-    const bool packed = !rim && packFrom > 0 && levels[k].owned() >= packFrom; // and a scale
+    const bool packed = !rim && options.packFrom > 0 && levels[k].owned() >= options.packFrom; // and a scale
     floats += nodes * (2 * entries + 1 + 3 * d) + (packed ? 0.5 * matrix + nodes : matrix);
     largest = rim ? std::max(largest, matrix) : 0;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "peridynamics/NodeField.h"
+#include "peridynamics/multigrid/MultigridOptions.h"
 
 #include <cstdint>
 #include <vector>
@@ -21,7 +22,7 @@ struct MultigridBytes
   double making = 0; ///< beside these, while they are made
 };
 /// @param rim is any of it shared with other ranks or by periodic sides?
-/// @param packFrom MultigridOptions::packFrom
-[[nodiscard]] MultigridBytes multigridBytes(const std::vector<NodeLayout>& levels, bool rim, std::int64_t packFrom = 0);
+[[nodiscard]] MultigridBytes multigridBytes(
+  const std::vector<NodeLayout>& levels, bool rim, const MultigridOptions& options = {});
 
 } // namespace lamella::peridynamics

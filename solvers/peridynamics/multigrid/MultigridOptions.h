@@ -15,6 +15,9 @@ struct MultigridOptions
   /// Nodes from which on a coarse level's matrix is stored in 16 bits an entry (Level::packed()), where nobody else has
   /// nodes of it and no side is periodic; 0: none is.
   std::int64_t packFrom = 0;
+  /// The finest level keeps neither its residual nor a direction: both come from products with the whole correction.
+  /// Saves two vectors there and is as fast, to round-off the same. For a degree of one, and input in single precision.
+  bool lean = false;
 };
 
 } // namespace lamella::peridynamics
