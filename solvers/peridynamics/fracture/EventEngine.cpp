@@ -186,6 +186,8 @@ bool EventEngine::settle(Nearness nearness)
 {
   if (sinceGlobal_ == 0)
     return nearness != Nearness::Avalanche && correct(toleranceOf(nearness));
+  if (wide_ && sinceWide_ > 0 && nearness != Nearness::Avalanche)
+    correctAround(); // saves more of an iteration on the whole lattice than it takes
   // in space every other break leaves so little that the look itself would be the work; in the plane looks are cheap,
   // and without them cracks took other ways
   if (bonds_.dimension() == 3 && nearness != Nearness::Avalanche && state_.expectedResidual() <= toleranceOf(nearness))

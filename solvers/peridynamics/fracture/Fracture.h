@@ -44,13 +44,16 @@ struct EventOptions
   int radius = 0;
   /// On each coarser one, beyond what the finer one's window covers. 0: 8 in the plane, 4 in space.
   int coarseRadius = 0;
-  double reduction = 0.02;       ///< of the residual around the bond, over the force that it carried
-  int maxCycles = 12;            ///< around a bond
-  int globalEvery = 20;          ///< events of an avalanche between two global corrections
+  double reduction = 0.02; ///< of the residual around the bond, over the force that it carried
+  int maxCycles = 12;      ///< around a bond
+  /// Events of an avalanche between two global corrections; in the plane between two of a wide window around them, and
+  /// every fifth is global.
+  int globalEvery = 20;
   int globalIterations = 6;      ///< of conjugate gradients in a global correction, at most
   double globalTolerance = 1e-4; ///< of its residual force, as EquilibriumOptions::tolerance counts
   /// Where a second bond is as near to its limit as this, a global correction to rivalTolerance says which of them
-  /// breaks: globalEvery local corrections leave errors of some 0.5 %, and the margin grows with their number. 0:
+  /// breaks: globalEvery local corrections leave errors of some 0.5 %, and the margin grows with their number. In the
+  /// plane a wide window is corrected first, and the whole lattice where the second is ten times nearer still. 0:
   /// never, which is sooner by a third to a half; the peak is the same, but after it cracks in thin walls may take
   /// another way.
   double rivals = 5e-3;

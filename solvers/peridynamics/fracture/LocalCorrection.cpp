@@ -12,7 +12,7 @@ namespace
 // Of conjugate gradients, down and up. One up does nearly what two do: the residual that is left is met again on the
 // way down.
 constexpr int stepsDown = 2;
-constexpr int stepsUp = 1; // in the plane
+constexpr int stepsUp = 1;
 
 } // namespace
 
