@@ -168,9 +168,9 @@ double EventEngine::toleranceOf(Nearness nearness) const noexcept
   switch (nearness)
   {
     case Nearness::Softening:
-      return std::max(options_.softeningTolerance, options_.riseTolerance);
+      return std::max(options_.softeningTolerance, options_.beforeRise(bonds_.dimension()));
     case Nearness::Exact:
-      return options_.riseTolerance;
+      return options_.beforeRise(bonds_.dimension());
     case Nearness::Avalanche:
       break;
   }

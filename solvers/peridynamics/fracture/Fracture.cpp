@@ -128,10 +128,11 @@ void check(const BondLattice& bonds, const Loading& loading, const FractureOptio
   if (!(e.rivals >= 0 && e.rivals < 1))
     throw ParameterError(
       fmt::format("the margin within which two bonds are rivals, {}, is not in [0, 1)", e.rivals), "5e-3 is usual");
-  for (const auto& [name, value] : { std::pair{ "reduction", e.reduction },
-         std::pair{ "global tolerance", e.globalTolerance }, std::pair{ "tolerance before a rise", e.riseTolerance },
-         std::pair{ "tolerance before a rise below the peak", e.softeningTolerance },
-         std::pair{ "tolerance among rivals", e.rivalTolerance } })
+  for (const auto& [name, value] :
+    { std::pair{ "reduction", e.reduction }, std::pair{ "global tolerance", e.globalTolerance },
+      std::pair{ "tolerance before a rise", e.riseTolerance == 0 ? e.beforeRise(2) : e.riseTolerance },
+      std::pair{ "tolerance before a rise below the peak", e.softeningTolerance },
+      std::pair{ "tolerance among rivals", e.rivalTolerance } })
     if (!(value > 0 && value < 1))
       throw ParameterError(fmt::format("the {} of the local corrections, {}, is not between 0 and 1", name, value),
         "the defaults serve most samples");

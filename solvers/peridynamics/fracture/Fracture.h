@@ -58,9 +58,16 @@ struct EventOptions
   /// another way.
   double rivals = 5e-3;
   double rivalTolerance = 5e-5;
-  double riseTolerance = 2e-6; ///< the same before the load rises, on which the peak depends
+  /// The same before the load rises, on which the peak depends. 0: 1e-6 in the plane, 2e-6 in space.
+  double riseTolerance = 0;
   /// The same where the stress stays a twentieth below the largest so far: no strength depends on it any more.
   double softeningTolerance = 5e-6;
+
+  /// riseTolerance, or what it is without one.
+  [[nodiscard]] double beforeRise(int dimension) const noexcept
+  {
+    return riseTolerance > 0 ? riseTolerance : dimension == 3 ? 2e-6 : 1e-6;
+  }
 };
 
 /// Where a fracture stands, for FractureOptions::progress.

@@ -382,7 +382,9 @@ FractureResult studyFracture(const BondModel& model, const Lattice& lattice, std
   r.bytes = comm.sum(bonds.bytes() + r.record.statistics.bytes);
   const double tolerance = options.fracture.tolerance;
   warn(model,
-    r.method == FractureMethod::Events ? std::max(tolerance, options.fracture.events.riseTolerance) : tolerance, r);
+    r.method == FractureMethod::Events ? std::max(tolerance, options.fracture.events.beforeRise(bonds.dimension()))
+                                       : tolerance,
+    r);
   return r;
 }
 
