@@ -31,6 +31,7 @@ EventHierarchy::EventHierarchy(BondLattice& bonds, const FixedComponents& fixed,
   : bonds_(bonds)
   , fixed_(fixed)
   , share_(shareOf(bonds, team))
+  , inBase_(multigridOptions(bonds.dimension()).lean)
   , base_(displacement)
   , slow_(bonds, share_)
   , springs_(bonds)
@@ -58,6 +59,7 @@ EventHierarchy::EventHierarchy(
   : bonds_(bonds)
   , fixed_(fixed)
   , share_(shareOf(bonds, team))
+  , inBase_(multigridOptions(bonds.dimension()).lean)
   , base_(std::move(state.base))
   , slow_(bonds, share_)
   , reference_(state.reference)
@@ -118,7 +120,7 @@ void EventHierarchy::build()
   if (first)
   {
     levels_.reserve(BondMultigrid::maxLevels); // a field of the first one is lent
-    levels_.emplace_back(bonds_.layout());
+    levels_.emplace_back(bonds_.layout(), !inBase_);
   }
   multigrid_.reset(); // there is room for one
   multigrid_ =
@@ -130,7 +132,7 @@ void EventHierarchy::build()
   if (!first)
     return;
   while (levels_.size() < multigrid_->levelCount())
-    levels_.emplace_back(multigrid_->level(levels_.size()).layout);
+    levels_.emplace_back(multigrid_->level(levels_.size()).layout, true);
   inner_.resize(levels_.size());
   outer_.resize(levels_.size());
 }
@@ -141,7 +143,8 @@ std::int64_t EventHierarchy::bytes() const noexcept
   for (const NodeField<float>& f : work_)
     total += f.components() * f.layout().count() * static_cast<std::int64_t>(sizeof(float));
   for (const EventLevel& level : levels_)
-    total += 4 * level.w.components() * level.w.layout().count() * static_cast<std::int64_t>(sizeof(float));
+    total += (3 * level.g.components() + level.w.components()) * level.g.layout().count() *
+      static_cast<std::int64_t>(sizeof(float));
   const std::int64_t nodes = base_.components() * base_.layout().count();
   return total + nodes * static_cast<std::int64_t>(sizeof(double));
 }
@@ -172,7 +175,7 @@ void EventHierarchy::maskRow(
 void EventHierarchy::evaluate(std::size_t k, const Box& box)
 {
   if (k + 1 < levels_.size())
-    evaluate(k + 1, parents(box, levels_[k + 1].w.layout()));
+    evaluate(k + 1, parents(box, levels_[k + 1].g.layout()));
   evaluateFrom(k, box);
 }
 
@@ -180,8 +183,9 @@ void EventHierarchy::evaluate(std::size_t k, const Box& box)
 void EventHierarchy::evaluateFrom(std::size_t k, const Box& box)
 {
   EventLevel& level = levels_[k];
-  const NodeLayout& l = level.w.layout();
+  const NodeLayout& l = level.g.layout();
   const std::int64_t n = box.high[0] - box.low[0];
+  const bool part = level.w.components() > 0;
   const bool last = k + 1 == levels_.size();
   forManyRows(box,
     [&](std::int64_t y, std::int64_t z)
@@ -190,10 +194,9 @@ void EventHierarchy::evaluateFrom(std::size_t k, const Box& box)
       for (int c = 0; c < l.dimension; ++c)
       {
         float* to = level.total.component(c) + i;
-        const float* w = level.w.component(c) + i;
         if (last)
         {
-          std::copy_n(w, n, to);
+          std::copy_n(level.w.component(c) + i, n, to);
           continue;
         }
         const NodeField<float>& coarse = levels_[k + 1].total;
@@ -208,7 +211,7 @@ void EventHierarchy::evaluateFrom(std::size_t k, const Box& box)
         return;
       if (k == 0)
         maskRow(level.total, y, z, box.low[0], box.high[0]);
-      for (int c = 0; c < l.dimension; ++c)
+      for (int c = 0; c < l.dimension && part; ++c)
         levelKernels().axpy(n, 1.0F, level.w.component(c) + i, level.total.component(c) + i);
       if (box.high[0] > l.size[0]) // the padding, which a coarse node at or beyond the last one reaches
         for (int c = 0; c < l.dimension; ++c)
@@ -260,13 +263,14 @@ double EventHierarchy::breakBond(std::int64_t index, int offset)
     double finer = along;
     for (const SpringWeights::Node& n : spring.levels[k])
     {
-      const std::int64_t i = level.w.layout().index(n.node[0], n.node[1], n.node[2]);
+      const std::int64_t i = level.g.layout().index(n.node[0], n.node[1], n.node[2]);
       for (int c = 0; c < l.dimension; ++c)
       {
         const double e = spring.direction[static_cast<std::size_t>(c)];
         if (k > 0)
           level.g.component(c)[i] += static_cast<float>(spring.stiffness * finer * n.weight * e);
-        along += n.weight * e * static_cast<double>(level.w.component(c)[i]);
+        if (level.w.components() > 0)
+          along += n.weight * e * static_cast<double>(level.w.component(c)[i]);
       }
     }
   }
@@ -299,17 +303,17 @@ double EventHierarchy::inconsistency()
 {
   levels_.front().change.fill(0);
   for (std::size_t k = 0; k < levels_.size(); ++k)
-    evaluate(k, whole(levels_[k].w.layout()));
+    evaluate(k, whole(levels_[k].g.layout()));
   std::vector<NodeField<float>> residual;
   for (std::size_t k = 0; k < levels_.size(); ++k)
   {
-    residual.emplace_back(levels_[k].w.layout());
-    const Box all = whole(levels_[k].w.layout());
+    residual.emplace_back(levels_[k].g.layout());
+    const Box all = whole(levels_[k].g.layout());
     if (k == 0)
       springs_.read(bonds_, all);
     product(k, all, { levels_[k].total }, { residual[k] });
     for (int c = 0; c < bonds_.dimension(); ++c)
-      for (std::int64_t i = 0; i < levels_[k].w.layout().count(); ++i)
+      for (std::int64_t i = 0; i < levels_[k].g.layout().count(); ++i)
         residual[k].component(c)[i] += levels_[k].g.component(c)[i];
     if (k == 0)
       forRows(all, [&](std::int64_t y, std::int64_t z) { maskRow(residual[0], y, z, 0, all.high[0]); });
@@ -322,7 +326,7 @@ double EventHierarchy::inconsistency()
   for (std::size_t k = 0; k + 1 < levels_.size(); ++k)
   {
     std::swap(levels_[k].change, residual[k]);
-    outer_[k] = whole(levels_[k].w.layout());
+    outer_[k] = whole(levels_[k].g.layout());
     const NodeField<float> before = levels_[k + 1].g;
     levels_[k + 1].g.fill(0);
     restrictChange(k);
@@ -341,7 +345,7 @@ void EventHierarchy::nest(const Box& box, int radius, int coarseRadius)
 {
   for (std::size_t k = 0; k < levels_.size(); ++k)
   {
-    const NodeLayout& l = levels_[k].w.layout();
+    const NodeLayout& l = levels_[k].g.layout();
     if (k + 1 == levels_.size())
     {
       inner_[k] = outer_[k] = whole(l);

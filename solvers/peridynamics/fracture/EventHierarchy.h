@@ -21,7 +21,8 @@ namespace lamella::peridynamics
 ///   u = base + U₀,   U_l = w_l + P U_{l+1},   g_{l+1} = Pᵀ(g_l − A_l w_l),
 ///
 /// with A_l the Galerkin matrices, P interpolation, and g₀ the residual force of the base. The residual of level l, g_l
-/// − A_l U_l, is then the restriction of the finest one's, whatever the parts; this is kept through every change.
+/// − A_l U_l, is then the restriction of the finest one's, whatever the parts; this is kept through every change. In
+/// space there is no w₀: what the finest level is moved by goes into the base, and its force into g₀, at once.
 ///
 /// The whole lattice on every rank, no periodic side. All in single precision but the base; the local part runs on one
 /// thread.
@@ -117,14 +118,14 @@ private:
 
   struct EventLevel
   {
-    explicit EventLevel(const NodeLayout& layout)
-      : w(layout)
+    EventLevel(const NodeLayout& layout, bool part)
+      : w(part ? NodeField<float>(layout) : NodeField<float>())
       , g(layout)
       , total(layout)
       , change(layout)
     {
     }
-    NodeField<float> w;     ///< this level's part
+    NodeField<float> w;     ///< this level's part; none where it goes into the base
     NodeField<float> g;     ///< what A_l U_l is to be
     NodeField<float> total; ///< U_l where it was evaluated; the direction of global corrections
     /// Of the residual, not yet handed to the next level; zero between cycles. Products of global corrections.
@@ -149,6 +150,10 @@ private:
   void restrictAll();
   void residualInDouble();
   void takeOutSlowMotions();
+  /// Moves a row of the finest level by a p, in a global correction.
+  void move(float a, const NodeField<float>& p, std::int64_t y, std::int64_t z);
+  /// u += a p over n nodes.
+  static void addToBase(std::int64_t n, float a, const float* p, double* u);
   void maskRow(NodeField<float>& field, std::int64_t y, std::int64_t z, std::int64_t x0, std::int64_t x1) const;
   [[nodiscard]] double dot(const NodeField<float>& a, const NodeField<float>& b); ///< of the finest level
   [[nodiscard]] double freeNorm(const NodeField<float>& r);
@@ -171,6 +176,7 @@ private:
   LayerShare share_;
   std::unique_ptr<BondMultigrid> multigrid_;
   std::vector<EventLevel> levels_;
+  const bool inBase_; ///< is there no w₀?
   NodeField<double> base_;
   SlowMotions slow_;
   std::vector<char> rowFixed_; ///< by ordinal of the row: does it have a fixed component?
@@ -187,6 +193,7 @@ private:
   std::vector<Box> inner_; ///< windows of the levels
   std::vector<Box> outer_; ///< what their product reaches
   SpringWindow springs_;
+  NodeField<float> motion_; ///< of a global correction that takes more than one iteration, where w₀ goes into the base
   /// Residual, direction and product of a window on the finest level, where the hierarchy has none; with the reach of
   /// bonds around it.
   std::array<NodeField<float>, 3> work_;

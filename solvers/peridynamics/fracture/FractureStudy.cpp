@@ -273,8 +273,9 @@ double fractureBytes(
   // displacements in a checkpoint: gathered, as HDF5 has them, as a file
   const bool file = !options.fracture.checkpoint.path.empty() || !options.fracture.continueFrom.empty();
   const double checkpoint = file ? 3 * 8 * d * static_cast<double>(lattice.count()) : 0;
-  // states have an equilibrium of their own, beside what goes on; four more fields of floats on all levels, tiles;
-  // displacements at unit load and those of the state, its counts
+  // states have an equilibrium of their own, beside what goes on; four more fields of floats on all levels, which on
+  // the finest may be three and a slow motion that is being looked at; tiles; displacements at unit load and those of
+  // the state, its counts
   const double states = options.keep && options.displacement ? multigridBytes(levels, rim).held + 3 * 8 * d * nodes : 0;
   // the state before, and the way from it
   const double contact = options.fracture.contact ? 2 * 8 * d * nodes : 0;

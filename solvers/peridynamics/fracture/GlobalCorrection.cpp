@@ -144,7 +144,7 @@ void EventHierarchy::restrictAll()
   share_.gather(levels_.front().g);
   for (std::size_t k = 0; k + 1 < levels_.size(); ++k)
   {
-    const NodeLayout& l = levels_[k].w.layout();
+    const NodeLayout& l = levels_[k].g.layout();
     outer_[k] = whole(l);
     for (int c = 0; c < l.dimension; ++c)
       std::copy_n(levels_[k].g.component(c), l.count(), levels_[k].change.component(c));
@@ -169,11 +169,28 @@ void EventHierarchy::takeOutSlowMotions()
     {
       const std::int64_t i = l.index(0, y, z);
       for (int c = 0; c < l.dimension; ++c)
-      {
-        levelKernels().axpy(l.size[0], 1.0F, p.component(c) + i, finest.w.component(c) + i);
         levelKernels().axpy(l.size[0], 1.0F, finest.change.component(c) + i, finest.g.component(c) + i);
-      }
+      move(1.0F, p, y, z);
     });
+}
+
+void EventHierarchy::addToBase(std::int64_t n, float a, const float* p, double* u)
+{
+  for (std::int64_t x = 0; x < n; ++x)
+    u[x] += static_cast<double>(a * p[x]);
+}
+
+void EventHierarchy::move(float a, const NodeField<float>& p, std::int64_t y, std::int64_t z)
+{
+  const NodeLayout& l = bonds_.layout();
+  const std::int64_t i = l.index(0, y, z);
+  for (int c = 0; c < l.dimension; ++c)
+  {
+    if (inBase_)
+      addToBase(l.size[0], a, p.component(c) + i, base_.component(c) + i);
+    if (NodeField<float>& kept = inBase_ ? motion_ : levels_.front().w; kept.components() > 0)
+      levelKernels().axpy(l.size[0], a, p.component(c) + i, kept.component(c) + i);
+  }
 }
 
 EventHierarchy::Reached EventHierarchy::correctGlobally(
@@ -208,16 +225,31 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
   else
     std::swap(r, q);
   const bool moves = size > target;
+  motion_ = NodeField<float>();
   if (moves && !slow_.empty())
   {
+    if (inBase_)
+      motion_ = NodeField<float>(l);
     takeOutSlowMotions();
     size = freeNorm(r);
   }
   double rz = 0;
+  float alpha = 0;
   int iterations = 0;
   bool rebuilt = false;
   for (bool restart = true; size > target && iterations < maxIterations;)
   {
+    if (inBase_ && iterations == 1 && motion_.components() == 0) // it may be a slow one
+    {
+      motion_ = NodeField<float>(l);
+      forShare(
+        [&](std::int64_t y, std::int64_t zz)
+        {
+          const std::int64_t i = l.index(0, y, zz);
+          for (int c = 0; c < l.dimension; ++c)
+            levelKernels().axpy(l.size[0], alpha, p.component(c) + i, motion_.component(c) + i);
+        });
+    }
     const NodeField<float>& z = multigrid_->apply(r);
     const double next = dot(r, z);
     const auto beta = static_cast<float>(restart ? 0 : next / rz);
@@ -244,16 +276,14 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
       build(); // round-off of many breaks
       continue;
     }
-    const auto alpha = static_cast<float>(rz / pq);
+    alpha = static_cast<float>(rz / pq);
     size = std::sqrt(rowSum(
       [&](std::int64_t y, std::int64_t zz)
       {
         const std::int64_t i = l.index(0, y, zz);
+        move(alpha, p, y, zz);
         for (int c = 0; c < l.dimension; ++c)
-        {
-          levelKernels().axpy(l.size[0], alpha, p.component(c) + i, finest.w.component(c) + i);
           levelKernels().axpy(l.size[0], alpha, q.component(c) + i, r.component(c) + i);
-        }
         return freeSquare(r, y, zz);
       }));
     ++iterations;
@@ -262,10 +292,12 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
   }
   if (iterations >= slow)
   {
-    share_.gather(finest.w);
-    slow_.keep(finest.w, q);
+    NodeField<float>& motion = inBase_ ? motion_ : finest.w;
+    share_.gather(motion);
+    slow_.keep(inBase_ ? std::move(motion) : NodeField<float>(motion), q);
   }
-  if (moves)
+  motion_ = NodeField<float>();
+  if (moves && !inBase_)
   {
     forShare(
       [&](std::int64_t y, std::int64_t z)

@@ -114,7 +114,12 @@ double EventHierarchy::relax(std::size_t k, int count, bool known)
       {
         const std::int64_t i = l.index(out.low[0], y, z);
         for (int c = 0; c < l.dimension; ++c)
-          kernels.axpy(wide, alpha, q.row(c, out.low[0], y, z), level.change.component(c) + i);
+        {
+          const float* force = q.row(c, out.low[0], y, z);
+          kernels.axpy(wide, alpha, force, level.change.component(c) + i);
+          if (lean)
+            kernels.axpy(wide, alpha, force, level.g.component(c) + i);
+        }
       });
     forRows(in,
       [&](std::int64_t y, std::int64_t z)
@@ -123,8 +128,13 @@ double EventHierarchy::relax(std::size_t k, int count, bool known)
         for (int c = 0; c < l.dimension; ++c)
         {
           const float* along = p.row(c, in.low[0], y, z);
-          kernels.axpy(n, alpha, along, level.w.component(c) + i);
-          kernels.axpy(n, alpha, along, level.total.component(c) + i);
+          if (lean)
+            addToBase(std::min(n, l.size[0] - in.low[0]), alpha, along, base_.component(c) + i);
+          else
+          {
+            kernels.axpy(n, alpha, along, level.w.component(c) + i);
+            kernels.axpy(n, alpha, along, level.total.component(c) + i);
+          }
           kernels.axpy(n, alpha, q.row(c, in.low[0], y, z), r.row(c, in.low[0], y, z));
         }
       });
@@ -170,8 +180,8 @@ void EventHierarchy::restrictChange(std::size_t k)
   EventLevel& level = levels_[k];
   EventLevel& next = levels_[k + 1];
   NodeField<float>& residual = multigrid_->level(k + 1).r; // relax() may know it
-  const NodeLayout& l = level.w.layout();
-  const NodeLayout& coarse = next.w.layout();
+  const NodeLayout& l = level.g.layout();
+  const NodeLayout& coarse = next.g.layout();
   const Box& box = outer_[k];
   if (k == 0)
     forManyRows(box, [&](std::int64_t y, std::int64_t z) { maskRow(level.change, y, z, box.low[0], box.high[0]); });

@@ -87,16 +87,16 @@ void SlowMotions::answer(const NodeField<float>& r, NodeField<float>& x)
     });
 }
 
-void SlowMotions::keep(const NodeField<float>& motion, NodeField<float>& work)
+void SlowMotions::keep(NodeField<float> motion, NodeField<float>& work)
 {
   const bool full = motions_.size() == most;
   const std::size_t at = full ? oldest_ : motions_.size();
   if (full)
-    motions_[at] = motion;
+    motions_[at] = std::move(motion);
   else
-    motions_.push_back(motion);
+    motions_.push_back(std::move(motion));
   oldest_ = (at + 1) % most;
-  linearForceOfLayers(bonds_, motion, work, share_.first(), share_.last());
+  linearForceOfLayers(bonds_, motions_[at], work, share_.first(), share_.last());
   const Eigen::VectorXd row = -along(work);
   const auto n = static_cast<Eigen::Index>(motions_.size());
   const auto k = static_cast<Eigen::Index>(at);

@@ -30,7 +30,7 @@ public:
   /// Takes another one up, zero where components are fixed, in place of the oldest where there is no room.
   /// @param motion on all layers
   /// @param work overwritten
-  void keep(const NodeField<float>& motion, NodeField<float>& work);
+  void keep(NodeField<float> motion, NodeField<float>& work);
   /// @param stiffness k/|ξ| of a bond that is there no longer
   void breakBond(std::int64_t index, int offset, double stiffness);
   [[nodiscard]] std::int64_t bytes() const noexcept;
