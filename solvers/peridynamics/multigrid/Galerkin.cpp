@@ -375,6 +375,45 @@ std::vector<Variant> variantsOf(const Terms& terms, const std::array<Fold, 3>& f
   return variants;
 }
 
+/// Those of the coarse forward neighbours to which blocks of the fine ones add: at a horizon of three the corners of
+/// the cube lie beyond.
+std::vector<std::array<int, 3>> reachedNeighbours(const MatrixRows& rows, int dimension, int reach)
+{
+  std::vector<std::array<int, 3>> half = forwardNeighbours(dimension, reach);
+  std::vector<char> reached(half.size(), 0);
+  const auto shifts = [](int step) // from the parents of a node to those of another, along an axis
+  {
+    std::vector<int> all;
+    for (int parity = 0; parity < 2; ++parity)
+      for (const Parent& from : parents(parity))
+        for (const Parent& to : parents(parity + step))
+          if (std::find(all.begin(), all.end(), to.step - from.step) == all.end())
+            all.push_back(to.step - from.step);
+    return all;
+  };
+  const auto reachFrom = [&](const std::array<int, 3>& step)
+  {
+    for (const int z : dimension == 3 ? shifts(step[2]) : std::vector<int>{ 0 })
+      for (const int y : shifts(step[1]))
+        for (const int x : shifts(step[0]))
+        {
+          const int sign = z != 0 ? z : y != 0 ? y : x;
+          if (sign != 0)
+            reached[static_cast<std::size_t>(
+              forwardIndex(reach, sign > 0 ? std::array{ x, y, z } : std::array{ -x, -y, -z }))] = 1;
+        }
+  };
+  reachFrom({ 0, 0, 0 });
+  for (const MatrixRows::Neighbour& q : rows.neighbours)
+    reachFrom(q.step);
+  std::size_t kept = 0;
+  for (std::size_t q = 0; q < half.size(); ++q)
+    if (reached[q] != 0)
+      half[kept++] = half[q];
+  half.resize(kept);
+  return half;
+}
+
 /// What numbers of the packed matrix count in. By Cauchy and Schwarz no block is larger than the root of the diagonal
 /// ones at its ends, and these are about the sum of the fine ones' by the squares of their weights; a number that is
 /// larger all the same is cut off, as those of the springs are that hold fixed components.
@@ -421,7 +460,7 @@ void findScale(const MatrixRows& rows, const NodeLayout& fine, Level& coarse)
 void galerkinProduct(const MatrixRows& rows, const NodeLayout& fine, Level& coarse, bool packed)
 {
   const NodeLayout& l = coarse.layout;
-  coarse.half = forwardNeighbours(l.dimension, l.ghost);
+  coarse.half = packed ? reachedNeighbours(rows, l.dimension, l.ghost) : forwardNeighbours(l.dimension, l.ghost);
   coarse.allocateMatrix(packed);
   if (coarse.packed())
     findScale(rows, fine, coarse);

@@ -191,7 +191,7 @@ void Level::foldBroken()
           step[i] = static_cast<int>(to[i] - from[i]);
         if ((step[2] != 0 ? step[2] : step[1] != 0 ? step[1] : step[0]) <= 0)
           continue;
-        const int first = forwardIndex(layout.ghost, step) * entries();
+        const int first = static_cast<int>(std::find(half.begin(), half.end(), step) - half.begin()) * entries();
         for (int e = 0; e < entries(); ++e)
           changes.push_back({ a.index, first + e,
             a.weight * b.weight * spring.stiffness * spring.direction[static_cast<std::size_t>(entryRow[d - 2][e])] *

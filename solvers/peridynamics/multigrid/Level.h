@@ -40,7 +40,8 @@ struct Level
   const Communicator* comm = nullptr;
   LevelRim rim;
 
-  // the matrix of a coarse level: blocks to half of the neighbours, A(i, i + q), and of the node itself
+  // the matrix of a coarse level: blocks to half of the neighbours, A(i, i + q), and of the node itself; a packed one
+  // is without those that no bond can reach
   std::vector<std::array<int, 3>> half;
   NodeField<float> blocks;   ///< component q · entries + e; until arrange(), and only where the rim is not empty
   NodeField<float> diagonal; ///< entries of A(i, i)
