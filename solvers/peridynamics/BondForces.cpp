@@ -204,9 +204,9 @@ private:
 
 template <class Real>
 CriticalBonds force(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f, bool nonlinear, bool wanted,
-  const Band& within, RimInFlight<Real>* rim = nullptr)
+  const Band& within, RimInFlight<Real>* rim = nullptr, int only = 0)
 {
-  const BondNumbers<Real> numbers(bonds);
+  const BondNumbers<Real> numbers(bonds, only);
   const std::vector<Chunk> list = chunks(bonds.stencil(), maxChunk);
   CriticalBonds found;
   const int threads = omp_get_max_threads();
@@ -250,6 +250,11 @@ template <class Real>
 void linearForce(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& f)
 {
   (void)force(bonds, u, f, false, false, allRows(bonds));
+}
+
+void linearForceOfKind(const BondLattice& bonds, const NodeField<double>& u, int kind, NodeField<double>& f)
+{
+  (void)force<double>(bonds, u, f, false, false, allRows(bonds), nullptr, kind);
 }
 
 template <class Real>

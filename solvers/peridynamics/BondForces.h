@@ -33,6 +33,9 @@ void linearForceOfLayers(
 template <class Real>
 void exchangeAndLinearForce(const BondLattice& bonds, NodeField<Real>& u, NodeField<Real>& f);
 
+/// linearForce() were there no bonds but those of one kind.
+void linearForceOfKind(const BondLattice& bonds, const NodeField<double>& u, int kind, NodeField<double>& f);
+
 struct StretchMaximum
 {
   double ratio = 0;           ///< the largest s/s₀ in tension; 0 where no bond is stretched or none can break
@@ -71,12 +74,6 @@ template <class Real>
 /// Σ over bonds of ½ k s² |ξ| [J], [J/m] in the plane. Collective.
 template <class Real>
 [[nodiscard]] double elasticEnergy(const BondLattice& bonds, const NodeField<Real>& u, bool nonlinear);
-
-/// Σ (k/|ξ|) (e·η) (e·η′) over the bonds of each kind, η of u and η′ of v, linearised: vᵀKu, kind by kind
-/// (BondLattice:: kinds(), 0 of [0]). Collective.
-template <class Real>
-[[nodiscard]] std::vector<double> mutualEnergy(
-  const BondLattice& bonds, const NodeField<Real>& u, const NodeField<Real>& v);
 
 /// Half of the energy of a node's bonds over its volume [J/m³]; `density` has one component.
 template <class Real>

@@ -197,36 +197,6 @@ double elasticEnergy(const BondLattice& bonds, const NodeField<Real>& u, bool no
 }
 
 template <class Real>
-std::vector<double> mutualEnergy(const BondLattice& bonds, const NodeField<Real>& u, const NodeField<Real>& v)
-{
-  const std::size_t kinds = bonds.kinds().size();
-  std::vector<double> parts(static_cast<std::size_t>(bonds.layout().size[1] * bonds.layout().size[2]) * kinds, 0.0);
-  choose(bonds, false,
-    [&]<int Dim, bool Nonlinear>()
-    {
-      eachOwned<Real>(bonds,
-        [&](const BondRow<Real>& row, std::int64_t r)
-        {
-          BondState<Real, Dim, Nonlinear> first(bonds, u, row);
-          BondState<Real, Dim, Nonlinear> second(bonds, v, row);
-          for (std::int64_t x = row.x0; x < row.x1; ++x)
-          {
-            first.at(x);
-            second.at(x);
-            parts[static_cast<std::size_t>(r) * kinds + static_cast<std::size_t>(bonds.kind(row.i + x, row.offset))] +=
-              static_cast<double>(row.spring[x] * first.length * first.stretch * second.length * second.stretch);
-          }
-        });
-    });
-  std::vector<double> sums(kinds, 0.0);
-  for (std::size_t i = 0; i < parts.size(); ++i)
-    sums[i % kinds] += parts[i];
-  bonds.communicator().sum(sums);
-  sums[0] = 0;
-  return sums;
-}
-
-template <class Real>
 void energyDensity(const BondLattice& bonds, const NodeField<Real>& u, NodeField<Real>& density, bool nonlinear)
 {
   countPass(Pass::EnergyDensity);
@@ -405,7 +375,6 @@ void tangentProduct(const BondLattice& bonds, const NodeField<Real>& u, const No
   template StretchMaximum largestStretchWithin(const BondLattice&, const NodeField<Real>&,                             \
     const std::array<std::int64_t, 3>&, const std::array<std::int64_t, 3>&);                                           \
   template double elasticEnergy(const BondLattice&, const NodeField<Real>&, bool);                                     \
-  template std::vector<double> mutualEnergy(const BondLattice&, const NodeField<Real>&, const NodeField<Real>&);       \
   template void energyDensity(const BondLattice&, const NodeField<Real>&, NodeField<Real>&, bool);                     \
   template void nodalStress(const BondLattice&, const NodeField<Real>&, NodeField<Real>&, bool);                       \
   template std::array<double, 3> sectionForce(const BondLattice&, const NodeField<Real>&, int, std::int64_t, bool);    \

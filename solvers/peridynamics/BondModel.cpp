@@ -38,19 +38,25 @@ BondKinds::BondKinds(const BondModel& model, const Stencil& stencil, double spac
         (*table)[position(id, static_cast<std::uint8_t>(other))] =
           (*table)[position(static_cast<std::uint8_t>(other), id)] = 0;
   }
+  std::vector<int> groups{ 0 }; // of the kinds
   const auto number = [&](const BondMaterial& material, const std::string& name)
   {
     const BondConstants c = bondConstants(material, stencil, spacing, model.continuum, model.micromodulus, name);
     const BondKind kind{ c.micromodulus * std::pow(spacing, 2 * stencil.dimension()), c.criticalStretch };
-    auto known = model.kindByPair ? kinds_.end() : std::find(kinds_.begin() + 1, kinds_.end(), kind);
-    if (known == kinds_.end())
+    const int group = model.pairGroups.empty() ? 0 : model.pairGroups.at(ofPairs_.size());
+    std::size_t known = 1;
+    while (known < kinds_.size() && !(kinds_[known] == kind && groups[known] == group))
+      ++known;
+    if (known == kinds_.size())
     {
       if (kinds_.size() > 255)
         throw ParameterError(
           "more than 255 different kinds of bonds", "give the same material to some pairs of phases");
-      known = kinds_.insert(kinds_.end(), kind);
+      kinds_.push_back(kind);
+      groups.push_back(group);
     }
-    return static_cast<std::int16_t>(known - kinds_.begin());
+    ofPairs_.push_back(static_cast<int>(known));
+    return static_cast<std::int16_t>(known);
   };
   bool anyBetween = false;
   for (const auto& [ids, pair] : model.pairs)

@@ -47,9 +47,9 @@ struct BondModel
   /// By the ids of the two phases, the lesser first.
   std::map<std::pair<std::uint8_t, std::uint8_t>, PhasePair> pairs{};
   bool pairByGrain = false;
-  /// A kind of bond for each pair, in the order of describePairs(), even where two are of one material: for
-  /// derivatives.
-  bool kindByPair = false;
+  /// Pairs with different numbers here, in the order of describePairs(), are of different kinds even where they are of
+  /// one material: for derivatives. Empty: pairs of one material are of one kind.
+  std::vector<int> pairGroups{};
   std::vector<std::uint8_t> voids{ 0 }; ///< phases that carry no bonds
   VoidBonds voidBonds = VoidBonds::Keep;
   /// The energy method of Madenci and Oterkus, Peridynamic Theory and Its Applications (2014), section 4.2: strained
@@ -91,12 +91,15 @@ public:
   [[nodiscard]] int within(std::uint8_t a, std::uint8_t b) const noexcept { return within_[position(a, b)]; }
   /// The same where grains differ.
   [[nodiscard]] int between(std::uint8_t a, std::uint8_t b) const noexcept { return between_[position(a, b)]; }
+  /// By pair, in the order of describePairs().
+  [[nodiscard]] const std::vector<int>& ofPairs() const noexcept { return ofPairs_; }
   [[nodiscard]] bool isVoid(std::uint8_t phase) const noexcept { return void_[phase]; }
 
 private:
   static std::size_t position(std::uint8_t a, std::uint8_t b) noexcept { return std::size_t{ a } * 256 + b; }
 
   std::vector<BondKind> kinds_;
+  std::vector<int> ofPairs_;
   std::vector<std::int16_t> within_;
   std::vector<std::int16_t> between_;
   std::array<bool, 256> void_{};

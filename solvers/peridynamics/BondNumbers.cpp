@@ -8,17 +8,19 @@ namespace lamella::peridynamics
 {
 
 template <class Real>
-BondNumbers<Real>::BondNumbers(const BondLattice& bonds)
+BondNumbers<Real>::BondNumbers(const BondLattice& bonds, int only)
   : perKind(bonds.stencil().half().size())
   , safe(Real(1) / 16) // the range of the series in RowKernelsImpl.cpp
 {
   const auto& kinds = bonds.kinds();
   const double spacing = bonds.spacing();
+  const auto stiffnessOf = [&](std::size_t k)
+  { return only == 0 || k == static_cast<std::size_t>(only) ? kinds[k].stiffness : 0; };
   for (std::size_t k = 0; k < kinds.size(); ++k)
   {
     for (const Offset& o : bonds.stencil().half())
     {
-      const double force = o.weight * (k == 0 ? 1 : kinds[k].stiffness);
+      const double force = o.weight * (k == 0 ? 1 : stiffnessOf(k));
       OffsetNumbers<Real> n{};
       const double length = o.length * spacing;
       for (std::size_t c = 0; c < 3; ++c)
@@ -42,7 +44,7 @@ BondNumbers<Real>::BondNumbers(const BondLattice& bonds)
   for (std::size_t k = 1; k < kinds.size(); ++k)
   {
     const double s0 = kinds[k].criticalStretch;
-    stiffness[k] = static_cast<Real>(kinds[k].stiffness);
+    stiffness[k] = static_cast<Real>(stiffnessOf(k));
     const double q = s0 * (2 + s0);
     critical[k] = q < static_cast<double>(never) ? static_cast<Real>(q) : never;
     inverse[k] = static_cast<Real>(1 / s0);

@@ -12,7 +12,8 @@ namespace lamella::peridynamics
 template <class Real>
 struct BondNumbers
 {
-  explicit BondNumbers(const BondLattice& bonds);
+  /// @param only kind whose stiffness counts, that of the others being 0; 0: all
+  explicit BondNumbers(const BondLattice& bonds, int only = 0);
 
   /// Of the offsets, for k = 1 (kind 0) or the k of a kind.
   [[nodiscard]] const OffsetNumbers<Real>* of(int kind) const noexcept

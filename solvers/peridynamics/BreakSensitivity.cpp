@@ -2,10 +2,12 @@
 
 #include "peridynamics/BondForces.h"
 #include "peridynamics/PairTable.h"
+#include "peridynamics/multigrid/Level.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -26,8 +28,14 @@ std::optional<std::int64_t> ownPlace(const NodeLayout& l, std::array<std::int64_
   return l.ownedIndex(node);
 }
 
-/// ∂ log s/∂u of a bond, at its two ends, and its kind.
-int pullBond(const BondLattice& bonds, const NodeField<double>& u, const Bond& bond, NodeField<double>& load)
+/// ∂ log s/∂u of a bond, at its two ends.
+struct Pull
+{
+  double size = 0; ///< norm of the load
+  int kind = 0;    ///< of the bond
+};
+
+Pull pullBond(const BondLattice& bonds, const NodeField<double>& u, const Bond& bond, NodeField<double>& load)
 {
   const NodeLayout& l = bonds.layout();
   const Offset& o = bonds.stencil().half()[static_cast<std::size_t>(bond.offset)];
@@ -50,42 +58,99 @@ int pullBond(const BondLattice& bonds, const NodeField<double>& u, const Bond& b
         load.component(c)[*i] +=
           sign * o.step[static_cast<std::size_t>(c)] / (o.length * o.length * bonds.spacing() * found[0]);
   bonds.exchange(load);
-  return static_cast<int>(found[1]);
+  return { std::sqrt(2.0) / std::abs(o.length * bonds.spacing() * found[0]), static_cast<int>(found[1]) };
+}
+
+/// A first guess: u scaled where that is known to be near, and what fixed components are given.
+NodeField<double> firstGuess(
+  const BondLattice& bonds, const FixedComponents& fixed, const LoadedSample& sample, const BreakState& state)
+{
+  const NodeLayout& l = bonds.layout();
+  NodeField<double> guess(l);
+  if (state.pull == 0)
+    return guess;
+  const double scale = state.movement != 0 ? 1 / (state.movement * state.pull) : 0;
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      for (int c = 0; c < l.dimension; ++c)
+        for (std::int64_t x = 0; x < l.size[0]; ++x)
+        {
+          const std::int64_t i = l.index(x, y, z);
+          const std::array<std::int64_t, 3> node{ x + l.start[0], y + l.start[1], z + l.start[2] };
+          const bool high = node[static_cast<std::size_t>(state.axis)] >= sample.highLayers[0] && bonds.solid(i);
+          guess.component(c)[i] = (fixed[i] >> c & 1U) == 0 ? scale * state.u.component(c)[i]
+            : high && c == state.across                     ? 1 / state.pull
+                                                            : 0;
+        }
+    });
+  bonds.exchange(guess);
+  return guess;
+}
+
+/// Over all ranks, and the same on any number of threads.
+double dot(const BondLattice& bonds, const NodeField<double>& a, const NodeField<double>& b)
+{
+  const NodeLayout& l = bonds.layout();
+  std::vector<double> rows(static_cast<std::size_t>(l.size[1] * l.size[2]));
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      double sum = 0;
+      for (int c = 0; c < l.dimension; ++c)
+        sum += levelKernels().dot(l.size[0], a.component(c) + l.index(0, y, z), b.component(c) + l.index(0, y, z));
+      rows[static_cast<std::size_t>(y + l.size[1] * z)] = sum;
+    });
+  return bonds.communicator().sum(std::accumulate(rows.begin(), rows.end(), 0.0));
+}
+
+/// λᵀK′u by kind of bond, K′ that of the kind: by the forces of each kind but the last, which has what the others
+/// leave of all.
+std::vector<double> mutualEnergies(const BondLattice& bonds, const NodeField<double>& lambda, const BreakState& state)
+{
+  std::vector<double> energies(bonds.kinds().size(), 0.0);
+  energies.back() = -dot(bonds, lambda, state.force);
+  NodeField<double> force(bonds.layout());
+  for (std::size_t k = 1; k + 1 < energies.size(); ++k)
+  {
+    linearForceOfKind(bonds, state.u, static_cast<int>(k), force);
+    energies[k] = -dot(bonds, lambda, force);
+    energies.back() -= energies[k];
+  }
+  return energies;
 }
 
 } // namespace
 
-BreakSensitivity breakSensitivity(const BondLattice& bonds, Equilibrium& equilibrium, const LoadedSample& sample,
-  const NodeField<double>& u, const Bond& bond, int axis, int across, double force)
+BreakSensitivity breakSensitivity(const BondLattice& bonds, std::span<const int> pairKinds, Equilibrium& equilibrium,
+  const LoadedSample& sample, const BreakState& state)
 {
-  const NodeLayout& l = bonds.layout();
-  NodeField<double> adjoint(l);
-  if (force != 0)
-    for (std::int64_t z = 0; z < l.size[2]; ++z)
-      for (std::int64_t y = 0; y < l.size[1]; ++y)
-        for (std::int64_t x = 0; x < l.size[0]; ++x)
-        {
-          const std::array<std::int64_t, 3> node{ x + l.start[0], y + l.start[1], z + l.start[2] };
-          const std::int64_t i = l.index(x, y, z);
-          if (node[static_cast<std::size_t>(axis)] >= sample.highLayers[0] && bonds.solid(i))
-            adjoint.component(across)[i] = 1 / force;
-        }
-  bonds.exchange(adjoint);
-  NodeField<double> load(l);
+  NodeField<double> load(bonds.layout());
+  const Pull pull = pullBond(bonds, state.u, state.bond, load);
   BreakSensitivity result;
-  result.kind = pullBond(bonds, u, bond, load);
-  equilibrium.setDoubt({});
-  equilibrium.setTolerance(
-    std::max(equilibrium.tolerance(), std::min(sensitivityPart, 1000 * equilibrium.tolerance())));
-  result.iterations = equilibrium.solve(adjoint, &load).iterations;
-  result.stiffness = mutualEnergy(bonds, adjoint, u);
-  result.stiffness.erase(result.stiffness.begin());
+  std::vector<double> energies{ 0, 1 }; // of one kind
+  if (bonds.kinds().size() > 2)
+  {
+    NodeField<double> adjoint = firstGuess(bonds, equilibrium.fixed(), sample, state);
+    equilibrium.setDoubt({});
+    equilibrium.setTolerance(
+      std::max(equilibrium.tolerance(), std::min(sensitivityPart, 1000 * equilibrium.tolerance())));
+    result.iterations = equilibrium.solve(adjoint, &load, pull.size).iterations;
+    energies = mutualEnergies(bonds, adjoint, state);
+  }
+  for (std::size_t p = 0; p < pairKinds.size(); ++p)
+  {
+    const bool first = std::find(pairKinds.begin(), pairKinds.begin() + static_cast<std::ptrdiff_t>(p), pairKinds[p]) ==
+      pairKinds.begin() + static_cast<std::ptrdiff_t>(p);
+    result.stiffness.push_back(first ? energies.at(static_cast<std::size_t>(pairKinds[p])) : 0);
+  }
+  result.pair = static_cast<std::size_t>(std::find(pairKinds.begin(), pairKinds.end(), pull.kind) - pairKinds.begin());
   return result;
 }
 
 double relativeChange(const BreakSensitivity& sensitivity, const PairNumber& number)
 {
-  double sum = number.stretch.at(static_cast<std::size_t>(sensitivity.kind - 1));
+  double sum = number.stretch.at(sensitivity.pair);
   for (std::size_t i = 0; i < number.young.size(); ++i)
     sum += sensitivity.stiffness.at(i) * number.young[i];
   return sum;

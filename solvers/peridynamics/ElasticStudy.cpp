@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "core/Memory.h"
 #include "peridynamics/BondForces.h"
+#include "peridynamics/PairTable.h"
 #include "peridynamics/fracture/PlatenForce.h"
 #include "peridynamics/multigrid/LevelSizes.h"
 
@@ -13,6 +14,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace lamella::peridynamics
 {
@@ -143,19 +145,6 @@ std::optional<FirstBreak> firstBreak(const BondLattice& bonds, const Lattice& la
     first.position[a] =
       lattice.origin[a] + lattice.spacing * (static_cast<double>(first.bond.node[a]) + 0.5 * o.step[a]);
   return first;
-}
-
-/// None where no bond breaks.
-std::optional<BreakSensitivity> sensitivityOf(
-  const BondLattice& bonds, Equilibrium& equilibrium, const LoadedSample& sample, const ElasticResult& r)
-{
-  const NodeField<double>& u = sample.displacement;
-  const StretchMaximum most = largestStretch(bonds, u, false);
-  if (!most.bond)
-    return std::nullopt;
-  const double force =
-    sample.load ? 0 : -reactions(bonds, sample, u, r.axis, false).high[static_cast<std::size_t>(r.across)];
-  return breakSensitivity(bonds, equilibrium, sample, u, *most.bond, r.axis, r.across, force);
 }
 
 std::vector<std::string> warningsOf(const BondModel& model, const ElasticResult& r, bool twoPlatens)
@@ -384,7 +373,13 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
     throw ParameterError("a sensitivity of the first break in large strains, where none is found",
       "leave the sensitivity or the large strains out");
   BondModel model = asked;
-  model.kindByPair = options.sensitivity;
+  if (!options.sensitivity)
+    model.pairGroups.clear();
+  else if (model.pairGroups.empty())
+  {
+    model.pairGroups.resize(describePairs(model, lattice.spacing).size());
+    std::iota(model.pairGroups.begin(), model.pairGroups.end(), 0);
+  }
   const ThreadScope threads(options.threads);
   requireMemory(
     "equilibrium", lattice, elasticBytes(model, lattice, !grain.empty(), options, comm.size()), options.memory, comm);
@@ -419,6 +414,7 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
     r.area *= c == r.axis ? 1 : lattice.length(c);
   r.length =
     pressure ? lattice.length(r.axis) : static_cast<double>(r.highPlaten[0] - r.lowPlaten[1] + 1) * lattice.spacing;
+  std::optional<Equilibrium> equilibrium;
   {
     EquilibriumOptions equilibriumOptions = options.equilibrium;
     std::optional<PlatenForce> platens;
@@ -431,10 +427,10 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
     else
       equilibriumOptions.doubt = [&](const NodeField<double>& u, const NodeField<double>& force)
       { return workOfResidual(bonds, sample, u, force); };
-    Equilibrium equilibrium(bonds, sample.fixed, equilibriumOptions);
+    equilibrium.emplace(bonds, sample.fixed, equilibriumOptions);
     try
     {
-      r.solve = equilibrium.solve(sample.displacement, sample.load ? &*sample.load : nullptr);
+      r.solve = equilibrium->solve(sample.displacement, sample.load ? &*sample.load : nullptr);
     }
     catch (const DivergenceError& e)
     {
@@ -445,18 +441,16 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
         "walls that are a node thin, or hang by hinges, close a pore: straight sides, another window, or thicker "
         "walls");
     }
-    if (options.sensitivity)
-    {
-      lap();
-      r.sensitivity = sensitivityOf(bonds, equilibrium, sample, r);
-      r.sensitivitySeconds = lap();
-    }
+    equilibrium->setDoubt({}); // what it looks at goes
+    if (!options.sensitivity)
+      equilibrium.reset();
   }
   if (!sample.held)
     takeOutRigidMotion(bonds, *sample.pores, sample.displacement);
   const double grown = pressure ? poreStrain(bonds, sample, sample.displacement) : 0;
   r.displacement = std::move(sample.displacement);
   lap();
+  const StretchMaximum most = largestStretch(bonds, r.displacement, nonlinear);
 
   const NodeField<double> f = forces(bonds, r.displacement, nonlinear);
   r.reactions.low = layerSum(bonds, f, r.axis, r.lowPlaten[0], r.lowPlaten[1]);
@@ -467,6 +461,18 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
   r.effectiveStress =
     pressure ? options.loading.pressure : -r.reactions.high[static_cast<std::size_t>(r.across)] / r.area;
   r.effectiveModulus = r.effectiveStress / r.strain;
+  if (options.sensitivity && most.bond)
+  {
+    r.measureSeconds = lap();
+    const bool platen = !pressure && !traction;
+    const bool alone = platen && (options.loading.load != LoadCase::Biaxial || options.loading.lateralStrain == 0);
+    r.sensitivity =
+      breakSensitivity(bonds, BondKinds(model, bonds.stencil(), lattice.spacing).ofPairs(), *equilibrium, sample,
+        { r.displacement, f, *most.bond, r.axis, r.across,
+          platen ? -r.reactions.high[static_cast<std::size_t>(r.across)] : 0, alone ? r.strain * r.length : 0 });
+    r.sensitivitySeconds = lap();
+  }
+  equilibrium.reset();
   r.elasticEnergy = elasticEnergy(bonds, r.displacement, nonlinear);
   if (options.stress)
   {
@@ -489,7 +495,6 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
     r.meanStress = meanStress(bonds, stress, model.continuum);
   }
 
-  const StretchMaximum most = largestStretch(bonds, r.displacement, nonlinear);
   r.largestRatio = most.ratio;
   if (!nonlinear)
     r.firstBreak = firstBreak(bonds, lattice, phase, most, r);
@@ -498,7 +503,7 @@ ElasticResult studyElastic(const BondModel& asked, const Lattice& lattice, std::
     (1 + (options.stress ? (d == 2 ? 3 : 6) : 0) + (options.energyDensity ? 1 : 0)) * bonds.layout().count() * 8;
   r.bytes = comm.sum(bonds.bytes() + r.solve.bytes + fields);
   r.warnings = warningsOf(model, r, !traction && !pressure);
-  r.measureSeconds = lap();
+  r.measureSeconds += lap();
   return r;
 }
 

@@ -112,13 +112,13 @@ double Equilibrium::forcing(const NodeField<double>& u, const NodeField<double>*
   return norm(r);
 }
 
-EquilibriumResult Equilibrium::solve(NodeField<double>& u, const NodeField<double>* load)
+EquilibriumResult Equilibrium::solve(NodeField<double>& u, const NodeField<double>* load, std::optional<double> given)
 {
   const double start = seconds();
   EquilibriumResult result;
   result.setupSeconds = setupSeconds_;
   const std::int64_t before = products_;
-  const double reference = forcing(u, load);
+  const double reference = given ? *given : forcing(u, load);
   if (!std::isfinite(reference))
     throw ParameterError("a displacement or a load that is given is not finite", "look for NaN in what is prescribed");
   if (reference > 0)
@@ -157,6 +157,9 @@ void Equilibrium::report(double share) const
   if (options_.progress && bonds_.communicator().any(options_.progress(share)))
     throw Cancelled();
 }
+
+// Of the load: what the recurrence drifts by is far below.
+constexpr double driftShare = 1e-4;
 
 // With `tangentAt`, u is a correction to that state, and the residual is that of the nonlinear forces there.
 void Equilibrium::conjugateGradients(NodeField<double>& u, const NodeField<double>* load, double target,
@@ -244,7 +247,7 @@ void Equilibrium::conjugateGradients(NodeField<double>& u, const NodeField<doubl
     sinceBest = size < 0.99 * best ? 0 : sinceBest + 1;
     best = std::min(best, size);
     ++result.iterations;
-    if (size <= target && tangentAt == nullptr)
+    if (size <= target && tangentAt == nullptr && target < driftShare * reference)
     {
       // the recurrence may have drifted from the truth by round-off
       residual(u, load, r, false);

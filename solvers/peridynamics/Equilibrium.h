@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace lamella::peridynamics
@@ -74,8 +75,10 @@ public:
 
   /// @param u in: displacements of fixed components, and a first guess of the others; out: equilibrium, rim filled [m]
   /// @param load forces on the nodes [N], or null
+  /// @param reference force that the tolerance is a share of, instead of those on the free nodes were they held [N]
   /// @throws DivergenceError when it does not converge; Cancelled
-  EquilibriumResult solve(NodeField<double>& u, const NodeField<double>* load = nullptr);
+  EquilibriumResult solve(
+    NodeField<double>& u, const NodeField<double>* load = nullptr, std::optional<double> reference = std::nullopt);
 
   /// Takes the place of EquilibriumOptions::progress in what is solved from now on.
   void setProgress(std::function<bool(double)> progress) { options_.progress = std::move(progress); }

@@ -374,4 +374,23 @@ std::vector<PairNumber> pairNumbers(const PairTable& table, std::span<const std:
   return all;
 }
 
+std::vector<int> pairGroups(std::span<const PairNumber> numbers)
+{
+  std::vector<int> groups(numbers.empty() ? 0 : numbers.front().young.size());
+  for (std::size_t i = 0; i < groups.size(); ++i)
+  {
+    // `like` and relativeTo go through the same arithmetic: alike is equal to the last bit
+    const auto alike = [&](std::size_t j)
+    {
+      return std::ranges::all_of(
+        numbers, [&](const PairNumber& n) { return n.young[i] == n.young[j] && n.stretch[i] == n.stretch[j]; });
+    };
+    groups[i] = static_cast<int>(i);
+    for (std::size_t j = 0; j < i && groups[i] == static_cast<int>(i); ++j)
+      if (alike(j))
+        groups[i] = groups[j];
+  }
+  return groups;
+}
+
 } // namespace lamella::peridynamics

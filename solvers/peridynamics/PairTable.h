@@ -101,6 +101,9 @@ struct PairNumber
   [[nodiscard]] std::string name() const { return property + ":" + pair; }
 };
 
+/// Pairs that every one of these values changes alike get one number: BondModel::pairGroups.
+[[nodiscard]] std::vector<int> pairGroups(std::span<const PairNumber> numbers);
+
 /// The values that some pair of the sample hangs on, by differences of the table's own rules (`like`, `relativeTo`,
 /// mixing): to 1e-9; at a kink of Mixing::Minimum the mean of both sides.
 /// @param names, nodes, spacing, model as applyMaterials() had them

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <string>
@@ -188,6 +189,65 @@ TEST(BreakSensitivity, PairsOfOneMaterial)
   c.table.criticalStretch = { { "wall", 2e-3 }, { "lamella", 2e-3 } };
   compare(c);
   EXPECT_EQ(c.solve(c.table, true).sensitivity->stiffness.size(), 3U);
+}
+
+// What no value of the table tells apart is of one kind, and comes to the same: equilibria to 1e-12 leave 1e-9.
+TEST(BreakSensitivity, PairsThatChangeAlike)
+{
+  Case c = makeCase(false);
+  c.table.mixing = Mixing::None;
+  c.table.like = { { "wall-lamella", "lamella" } };
+  const auto numbers = pairNumbers(c.table, names, c.nodes(), spacing, c.applied(c.table));
+  const std::vector<int> groups = pairGroups(numbers);
+  EXPECT_EQ(groups, (std::vector<int>{ 0, 1, 1 }));
+  const auto solve = [&]
+  { return studyElastic(c.applied(c.table), c.sample.lattice, c.sample.phase, {}, c.options, alone()); };
+  c.options.sensitivity = true;
+  const ElasticResult apart = solve();
+  c.model.pairGroups = groups;
+  const ElasticResult together = solve();
+  ASSERT_TRUE(apart.sensitivity && together.sensitivity);
+  EXPECT_EQ(together.sensitivity->stiffness[2], 0);
+  EXPECT_NE(apart.sensitivity->stiffness[2], 0);
+  for (const PairNumber& number : numbers)
+    EXPECT_NEAR(relativeChange(*together.sensitivity, number), relativeChange(*apart.sensitivity, number), 1e-8)
+      << number.name();
+}
+
+// Of one kind of bonds the stress is in proportion to its stiffness: there is nothing to solve.
+TEST(BreakSensitivity, OfOneKindWithoutASolve)
+{
+  Case c = makeCase(false);
+  c.table = {};
+  c.table.young = { { "wall", 2e9 } };
+  c.table.fractureEnergy = { { "wall", 5 } };
+  c.table.like = { { "wall-lamella", "wall" }, { "lamella", "wall" } };
+  c.model.pairGroups = pairGroups(pairNumbers(c.table, names, c.nodes(), spacing, c.applied(c.table)));
+  EXPECT_EQ(c.model.pairGroups, (std::vector<int>{ 0, 0, 0 }));
+  EXPECT_EQ(c.solve(c.table, true).sensitivity->iterations, 0);
+  compare(c);
+}
+
+// At the tolerance that is the default: to 1e-3 of the largest, the share of the load that the adjoint's residual is
+// brought below.
+TEST(BreakSensitivity, AtTheDefaultTolerance)
+{
+  for (const bool space : { false, true })
+    for (const LoadCase load : { LoadCase::Stretch, LoadCase::Shear, LoadCase::Traction })
+    {
+      SCOPED_TRACE(testing::Message() << "space " << space << ", load " << static_cast<int>(load));
+      Case c = makeCase(space);
+      c.options.loading.load = load;
+      c.options.loading.traction = 1e6;
+      const auto tight = c.solve(c.table, true).sensitivity->stiffness;
+      c.options.equilibrium.tolerance = EquilibriumOptions{}.tolerance;
+      const auto plain = c.solve(c.table, true).sensitivity->stiffness;
+      double most = 0;
+      for (const double t : tight)
+        most = std::max(most, std::abs(t));
+      for (std::size_t p = 0; p < tight.size(); ++p)
+        EXPECT_NEAR(plain[p], tight[p], 1e-3 * most) << p;
+    }
 }
 
 TEST(BreakSensitivity, Refused)

@@ -33,6 +33,24 @@ double BondUncertainties::of(const pd::PairNumber& number) const
   return found == table.end() ? 0 : found->second;
 }
 
+namespace
+{
+
+std::vector<pd::PairNumber> numbersOf(const BondScene& scene, const BondSettings& settings)
+{
+  return pd::pairNumbers(
+    settings.materials, scene.phases().names, scene.nodes(), scene.lattice().spacing, scene.model());
+}
+
+} // namespace
+
+pd::BondModel sensitivityModel(const BondScene& scene, const BondSettings& settings)
+{
+  pd::BondModel model = scene.model();
+  model.pairGroups = pd::pairGroups(numbersOf(scene, settings));
+  return model;
+}
+
 void setBreakSensitivity(vtkImageData* output, const BondScene& scene, const BondSettings& settings,
   const BondUncertainties& uncertainties, double stress, const std::optional<pd::BreakSensitivity>& sensitivity)
 {
@@ -46,8 +64,7 @@ void setBreakSensitivity(vtkImageData* output, const BondScene& scene, const Bon
   std::vector<double> halves;
   std::vector<double> changes;
   double square = 0; // they are independent
-  for (const pd::PairNumber& number :
-    pd::pairNumbers(settings.materials, scene.phases().names, scene.nodes(), scene.lattice().spacing, scene.model()))
+  for (const pd::PairNumber& number : numbersOf(scene, settings))
   {
     names.push_back(number.name());
     values.push_back(number.value);

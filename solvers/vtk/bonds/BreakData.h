@@ -24,6 +24,9 @@ struct BondUncertainties
   [[nodiscard]] double of(const peridynamics::PairNumber& number) const;
 };
 
+/// The scene's model, with the pairs told apart that a value of the table tells apart.
+[[nodiscard]] peridynamics::BondModel sensitivityModel(const BondScene& scene, const BondSettings& settings);
+
 /// `material_numbers`, `material_values`, `material_uncertainty`; by these in turn `first_break_sensitivity` [Pa over
 /// the value's unit]; with uncertainties `first_break_input_error` [Pa]. What an image has of them from before goes.
 /// @param stress of the first break [Pa]

@@ -168,7 +168,8 @@ void vtkBondEquilibrium::Solve(vtkImageData* input, vtkImageData* output, const 
     throw lamella::Cancelled();
   const lamella::Communicator comm(team.comm());
   pd::ElasticResult result =
-    pd::studyElastic(scene.model(), scene.lattice(), scene.phase(), scene.grain(), options, comm);
+    pd::studyElastic(options.sensitivity ? lamella::sensitivityModel(scene, settings) : scene.model(), scene.lattice(),
+      scene.phase(), scene.grain(), options, comm);
   for (const std::string& doubt : lamella::unitDoubts(settings.materials))
     result.warnings.push_back(doubt);
   this->EffectiveModulus = result.effectiveModulus;

@@ -265,8 +265,8 @@ void vtkBondFracture::Solve(vtkImageData* input, const lamella::Team& team, vtkP
     };
     unbroken.sensitivity = true;
     unbroken.threads = options.threads;
-    sensitivity = pd::studyElastic(
-      scene.model(), scene.lattice(), scene.phase(), scene.grain(), unbroken, lamella::Communicator(team.comm()))
+    sensitivity = pd::studyElastic(lamella::sensitivityModel(scene, settings), scene.lattice(), scene.phase(),
+      scene.grain(), unbroken, lamella::Communicator(team.comm()))
                     .sensitivity;
   }
   this->AddWarnings(settings, result.warnings);
