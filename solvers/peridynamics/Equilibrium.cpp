@@ -4,6 +4,7 @@
 #include "core/Error.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/Preconditioner.h"
+#include "peridynamics/RowSums.h"
 #include "peridynamics/ValueShare.h"
 
 #include <fmt/format.h>
@@ -34,33 +35,6 @@ Equilibrium::Equilibrium(const BondLattice& bonds, FixedComponents fixed, Equili
 }
 
 Equilibrium::~Equilibrium() = default;
-
-void Equilibrium::hold(NodeField<double>& field) const
-{
-  for (const std::int64_t i : fixedNodes_)
-    for (int c = 0; c < field.components(); ++c)
-      if ((fixed_[i] >> c & 1U) != 0)
-        field.component(c)[i] = 0;
-}
-
-namespace
-{
-
-/// Over all ranks, and the same on any number of threads. @param ofRow given where a row begins
-template <class OfRow>
-double sumOfRows(const Communicator& comm, const NodeLayout& l, OfRow&& ofRow)
-{
-  std::vector<double> sums(static_cast<std::size_t>(l.size[1] * l.size[2]));
-  forOwnRows(l,
-    [&](std::int64_t y, std::int64_t z)
-    { sums[static_cast<std::size_t>(y + l.size[1] * z)] = ofRow(l.index(0, y, z)); });
-  double total = 0;
-  for (const double s : sums)
-    total += s;
-  return comm.sum(total);
-}
-
-} // namespace
 
 double Equilibrium::dot(const NodeField<double>& a, const NodeField<double>& b) const
 {

@@ -80,6 +80,11 @@ public:
   EquilibriumResult solve(
     NodeField<double>& u, const NodeField<double>* load = nullptr, std::optional<double> reference = std::nullopt);
 
+  /// The same in single precision where a tolerance of 1e-4 or more lets it, by multigrid; of small strains, and
+  /// without EquilibriumOptions::doubt. What u is wrong by at first counts in double precision.
+  /// @param reference as above
+  EquilibriumResult solveRoughly(NodeField<double>& u, const NodeField<double>* load, double reference);
+
   /// Takes the place of EquilibriumOptions::progress in what is solved from now on.
   void setProgress(std::function<bool(double)> progress) { options_.progress = std::move(progress); }
   /// Likewise of EquilibriumOptions::doubt.
@@ -94,7 +99,14 @@ public:
   [[nodiscard]] const FixedComponents& fixed() const noexcept { return fixed_; }
 
 private:
-  void hold(NodeField<double>& field) const;
+  template <class Real>
+  void hold(NodeField<Real>& field) const
+  {
+    for (const std::int64_t i : fixedNodes_)
+      for (int c = 0; c < field.components(); ++c)
+        if ((fixed_[i] >> c & 1U) != 0)
+          field.component(c)[i] = 0;
+  }
   [[nodiscard]] double dot(const NodeField<double>& a, const NodeField<double>& b) const;
   [[nodiscard]] double norm(const NodeField<double>& a) const;
   /// r = load + force(u), zero where fixed; fills the rim of u

@@ -17,6 +17,19 @@ JacobiPreconditioner::JacobiPreconditioner(const BondLattice& bonds, const Fixed
 const NodeField<float>& JacobiPreconditioner::apply(const NodeField<double>& r, double scale)
 {
   const NodeLayout& l = r_.layout();
+  forOwnRows(l,
+    [&](std::int64_t y, std::int64_t z)
+    {
+      const std::int64_t i = l.index(0, y, z);
+      for (int c = 0; c < l.dimension; ++c)
+        levelKernels().toFloat(l.size[0], scale, r.component(c) + i, r_.component(c) + i);
+    });
+  return apply(r_);
+}
+
+const NodeField<float>& JacobiPreconditioner::apply(const NodeField<float>& r)
+{
+  const NodeLayout& l = r_.layout();
   const int entries = blockEntries(l.dimension);
   forOwnRows(l,
     [&](std::int64_t y, std::int64_t z)
@@ -29,8 +42,7 @@ const NodeField<float>& JacobiPreconditioner::apply(const NodeField<double>& r, 
         inverse[e] = inverse_.component(e) + i;
       for (int c = 0; c < l.dimension; ++c)
       {
-        levelKernels().toFloat(l.size[0], scale, r.component(c) + i, r_.component(c) + i);
-        from[c] = r_.component(c) + i;
+        from[c] = r.component(c) + i;
         to[c] = z_.component(c) + i;
       }
       levelKernels().chebyshev(l.dimension, l.size[0], 0, 1, inverse, from, to, to, true);
