@@ -428,6 +428,15 @@ void FusedStep<Dim>::run(
 }
 
 template <int Dim>
+void FusedStep<Dim>::startAnew() noexcept
+{
+  forget();
+  past_.forget();
+  aside_.clear();
+  fastest_ = -1;
+}
+
+template <int Dim>
 void FusedStep<Dim>::keep(io::Checkpoint& checkpoint) const
 {
   if (!held_)
@@ -456,10 +465,7 @@ void FusedStep<Dim>::keep(io::Checkpoint& checkpoint) const
 template <int Dim>
 void FusedStep<Dim>::takeBack(const io::Checkpoint& checkpoint, const BackgroundGrid<Dim>& grid)
 {
-  forget();
-  past_.forget();
-  aside_.clear();
-  fastest_ = -1;
+  startAnew();
   if (single_ || !checkpoint.arrays.contains("nodes"))
     return;
   const std::vector<std::int64_t>& cells = checkpoint.integers("point cells");

@@ -43,6 +43,8 @@ public:
   /// Whether one is so far beyond that the nodes do not hold it, and has not kept its velocity.
   [[nodiscard]] bool lost() const noexcept { return lost_; }
   void forget() noexcept { held_ = false; }
+  /// Other points have taken the place of those that it knew, with their C.
+  void startAnew() noexcept;
   /// C of a point [1/s], which has kept its velocity.
   [[nodiscard]] Matrix<Dim> affine(std::size_t p) const;
   /// The largest component of all, of this rank [1/s].

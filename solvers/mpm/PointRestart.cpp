@@ -169,8 +169,8 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
     measured_.takeBack(checkpoint.reals("wave"));
   if (fused_ && !options_.comm.parallel())
     fused_->takeBack(checkpoint, grid_);
-  else
-    sortAnew();
+  else if (fused_)
+    fused_->startAnew();
 }
 
 template void PointDynamics<2>::keep(io::Checkpoint&) const;
