@@ -2,6 +2,7 @@
 
 #include "mpm/GridWalls.h"
 #include "mpm/ShapeFunctions.h"
+#include "mpm/SharedRows.h"
 
 #include <algorithm>
 #include <array>
@@ -15,10 +16,16 @@ namespace
 
 constexpr double slack = 0.05; // of a cell, that bodies may be apart and touch: else they would rattle
 
+/// Whether its nodes beyond the ends are images of others, a period away; on several ranks those are the neighbours'.
+bool wraps(const GridAxis& g)
+{
+  return g.end(0) == Edge::Periodic && !g.isCut(0);
+}
+
 /// First and last node of an axis that is no image of another.
 std::array<int, 2> ownNodes(const GridAxis& g)
 {
-  if (g.end(0) == Edge::Periodic)
+  if (wraps(g))
     return { 0, g.cells - 1 };
   return { g.end(0) == Edge::Wall ? 0 : -1, g.end(1) == Edge::Wall ? g.cells : g.cells + 1 };
 }
@@ -76,8 +83,10 @@ template <int Dim>
 class Meetings
 {
 public:
-  Meetings(const BackgroundGrid<Dim>& grid, const Bodies& bodies, std::span<double> nodes, double least)
-    : grid_(grid)
+  Meetings(const BackgroundGrid<Dim>& grid, const Bodies& bodies, std::span<double> nodes, double least,
+    const SharedRows<Dim>* rows)
+    : rows_(rows)
+    , grid_(grid)
     , bodies_(bodies)
     , nodes_(nodes)
     , least_(least)
@@ -93,6 +102,8 @@ public:
             find({ i, j, k });
           else
             find({ i, j });
+    if (rows_)
+      share();
   }
 
   /// Normals, and where the bodies' points are along them.
@@ -103,7 +114,9 @@ public:
     markReaches();
     forEachNear(
       points, [this](std::size_t, const Seen& seen, Meeting<Dim>& pair, int body) { slope(seen, pair, body); });
+    addSlopes();
     smooth();
+    takeOuterSlopes();
     for (Meeting<Dim>& pair : all_)
     {
       for (int c = 0; c < Dim; ++c)
@@ -115,6 +128,7 @@ public:
     forEachNear(points,
       [&points](std::size_t p, const Seen& seen, Meeting<Dim>& pair, int body)
       { extend(points, p, seen, pair, body); });
+    joinReaches();
   }
 
   /// Impulses of those that touch.
@@ -165,6 +179,97 @@ private:
           first = static_cast<std::int32_t>(all_.size());
         all_.push_back(pair);
       }
+  }
+
+  /// Notes the meetings on rows that neighbours have too. They know of the same ones in the same order, as masses there
+  /// are the same.
+  void share()
+  {
+    for (std::size_t side : { 0U, 1U })
+      if (grid_.axis(rows_->axis()).isCut(static_cast<int>(side)))
+      {
+        const auto [first, last] = rows_->span(grid_, static_cast<int>(side));
+        for (std::size_t m = 0; m < all_.size(); ++m)
+          if (const int row = rowOf(all_[m]); row >= first && row <= last)
+            shared_[side].push_back(m);
+      }
+  }
+
+  [[nodiscard]] int rowOf(const Meeting<Dim>& pair) const { return pair.node[static_cast<std::size_t>(rows_->axis())]; }
+
+  /// Calls give(shared meeting, its values), swaps with the neighbours, and calls take(meeting, theirs, side).
+  template <int Count, class Give, class Take>
+  void exchange(Give&& give, Take&& take)
+  {
+    if (!rows_)
+      return;
+    std::array<std::vector<double>, 2> out;
+    std::array<std::vector<double>, 2> in;
+    for (std::size_t side : { 0U, 1U })
+    {
+      out[side].resize(shared_[side].size() * Count);
+      for (std::size_t i = 0; i < shared_[side].size(); ++i)
+        give(all_[shared_[side][i]], &out[side][i * Count]);
+    }
+    rows_->swap(out, in);
+    for (std::size_t side : { 0U, 1U })
+      for (std::size_t i = 0; i < shared_[side].size(); ++i)
+        take(all_[shared_[side][i]], &in[side][i * Count], side);
+  }
+
+  static void giveSlopes(const Meeting<Dim>& pair, double* values)
+  {
+    for (std::size_t side : { 0U, 1U })
+      for (int c = 0; c < Dim; ++c)
+        *values++ = pair.normal[side][c];
+  }
+
+  /// Of the neighbours' points.
+  void addSlopes()
+  {
+    exchange<2 * Dim>(
+      giveSlopes,
+      [](Meeting<Dim>& pair, const double* values, std::size_t)
+      {
+        for (std::size_t side : { 0U, 1U })
+          for (int c = 0; c < Dim; ++c)
+            pair.normal[side][c] += *values++;
+      });
+  }
+
+  /// Means on the outermost row want those of a row beyond, which only the neighbour has.
+  void takeOuterSlopes()
+  {
+    exchange<2 * Dim>(
+      giveSlopes,
+      [this](Meeting<Dim>& pair, const double* values, std::size_t end)
+      {
+        if (rowOf(pair) != (end == 0 ? -1 : grid_.axis(rows_->axis()).cells + 1))
+          return;
+        for (std::size_t side : { 0U, 1U })
+          for (int c = 0; c < Dim; ++c)
+            pair.normal[side][c] = *values++;
+      });
+  }
+
+  /// How far the neighbours' points reach, too.
+  void joinReaches()
+  {
+    constexpr int candidates = Meeting<Dim>::candidates;
+    exchange<2 * candidates>(
+      [](const Meeting<Dim>& pair, double* values)
+      {
+        std::copy(pair.end.begin(), pair.end.end(), values);
+        std::copy(pair.begin.begin(), pair.begin.end(), values + candidates);
+      },
+      [](Meeting<Dim>& pair, const double* values, std::size_t)
+      {
+        for (std::size_t c = 0; c < candidates; ++c)
+        {
+          pair.end[c] = std::max(pair.end[c], values[c]);
+          pair.begin[c] = std::min(pair.begin[c], values[candidates + c]);
+        }
+      });
   }
 
   /// Slopes become means over the meetings of the same bodies at nodes beside, weighed 1 : 2 : 1 along every axis:
@@ -308,7 +413,7 @@ private:
       const GridAxis& g = grid_.axis(a);
       int& i = node[static_cast<std::size_t>(a)];
       turn[a] = 1;
-      if (g.end(0) == Edge::Periodic)
+      if (wraps(g))
         i = (i + g.cells) % g.cells;
       else if ((i < 0 && g.end(0) == Edge::Wall) || (i > g.cells && g.end(1) == Edge::Wall))
       {
@@ -364,6 +469,7 @@ private:
     return square > 0;
   }
 
+  const SharedRows<Dim>* rows_; ///< none: all is on this rank
   const BackgroundGrid<Dim>& grid_;
   const Bodies& bodies_;
   std::span<double> nodes_;
@@ -371,20 +477,23 @@ private:
   std::vector<std::int32_t> first_; ///< by node: its first meeting; those of a node follow each other
   std::vector<std::uint8_t> near_;  ///< by a point's first node: whether it reaches one of them
   std::vector<Meeting<Dim>> all_;
+  std::array<std::vector<std::size_t>, 2> shared_; ///< by side, of all_
 };
 
 } // namespace
 
 template <int Dim>
 void meet(const BackgroundGrid<Dim>& grid, const Bodies& bodies, const MaterialPoints<Dim>& points,
-  std::span<double> nodes, double least)
+  std::span<double> nodes, double least, const SharedRows<Dim>* rows)
 {
-  Meetings<Dim> meetings(grid, bodies, nodes, least);
+  Meetings<Dim> meetings(grid, bodies, nodes, least, rows);
   meetings.measure(points);
   meetings.collide();
 }
 
-template void meet(const BackgroundGrid<2>&, const Bodies&, const MaterialPoints<2>&, std::span<double>, double);
-template void meet(const BackgroundGrid<3>&, const Bodies&, const MaterialPoints<3>&, std::span<double>, double);
+template void meet(
+  const BackgroundGrid<2>&, const Bodies&, const MaterialPoints<2>&, std::span<double>, double, const SharedRows<2>*);
+template void meet(
+  const BackgroundGrid<3>&, const Bodies&, const MaterialPoints<3>&, std::span<double>, double, const SharedRows<3>*);
 
 } // namespace lamella::mpm

@@ -11,6 +11,9 @@
 namespace lamella::mpm
 {
 
+template <int Dim>
+class SharedRows;
+
 /// Bodies that touch without being joined: each has velocities of its own on the grid, and where two meet at a node
 /// they neither pass through each other nor hold each other (Bardenhagen, Guilkey, Roessig, Brackbill, Witzel and
 /// Foster, CMES 2 (2001) 509). Phases of one body are joined, and so is a body to itself where it folds.
@@ -42,8 +45,10 @@ struct Bodies
 /// @param nodes body after body as many rows of values as grid.count(): mass and momentum, nodeValues a node, folded,
 /// and with the momentum of the walls' velocities
 /// @param least mass of a node [kg] up to which a body is not there
+/// @param rows of a grid that several ranks share, each with its points, and nodes that have those of all: the same
+/// impulses on all ranks that have a node, to the last bit but where a period's ends meet. Collective then
 template <int Dim>
 void meet(const BackgroundGrid<Dim>& grid, const Bodies& bodies, const MaterialPoints<Dim>& points,
-  std::span<double> nodes, double least);
+  std::span<double> nodes, double least, const SharedRows<Dim>* rows = nullptr);
 
 } // namespace lamella::mpm

@@ -263,24 +263,28 @@ void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<dou
   SharedRows<Dim>* rows, const MaterialPoints<Dim>* points)
 {
   const auto pitch = static_cast<std::size_t>(grid.count()) * nodeValues;
-  const auto forEachBody = [&](auto&& f)
+  const auto forEachBody = [&](auto&& f) // f(its nodes, number)
   {
-    for (std::size_t first = 0; first < all.size(); first += pitch)
-      f(all.subspan(first, pitch));
+    for (std::size_t body = 0; body * pitch < all.size(); ++body)
+      f(all.subspan(body * pitch, pitch), body);
   };
   AllSums<Dim> seam{};
   forEachBody(
-    [&](std::span<double> nodes)
+    [&](std::span<double> nodes, std::size_t body)
     {
       fold(grid, walls, nodes);
-      if (rows)
-        seam[static_cast<std::size_t>(rows->axis())][1] = rows->add(grid, nodes);
+      if (!rows)
+        return;
+      WallSums& sum = seam[static_cast<std::size_t>(rows->axis())][1];
+      const WallSums added = rows->add(grid, nodes, body);
+      sum.mass += added.mass;
+      sum.momentum += added.momentum;
     });
   AllSums<Dim> sums{};
   const auto findAll = [&](bool again)
   {
     AllSums<Dim> now = seam;
-    forEachBody([&](std::span<double> nodes) { addWallSums<Dim>(grid, walls, nodes, now); });
+    forEachBody([&](std::span<double> nodes, std::size_t) { addWallSums<Dim>(grid, walls, nodes, now); });
     if (rows)
       rows->sum(now);
     // a node where the ends of a period meet shares its impulses by mass, so that none of them is the period's
@@ -293,11 +297,11 @@ void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<dou
   const auto shift = [&](double sign)
   {
     forEachBody(
-      [&](std::span<double> nodes)
+      [&](std::span<double> nodes, std::size_t body)
       {
         shiftMasters(grid, walls, nodes, sign);
         if (rows)
-          rows->shift(grid, nodes, sign * walls(rows->axis(), 1).velocity);
+          rows->shift(grid, nodes, sign * walls(rows->axis(), 1).velocity, body);
       });
   };
   if (find)
@@ -307,11 +311,11 @@ void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<dou
   {
     shift(1);
     if (meets)
-      meet(grid, walls.bodies, *points, all, walls.least);
+      meet(grid, walls.bodies, *points, all, walls.least, rows);
     for (int axis = 0; axis < Dim; ++axis)
       for (int side = 0; side < 2; ++side)
         if (grid.axis(axis).end(side) == Edge::Wall && walls(axis, side).friction > 0)
-          forEachBody([&](std::span<double> nodes) { rub(grid, walls, nodes, axis, side); });
+          forEachBody([&](std::span<double> nodes, std::size_t) { rub(grid, walls, nodes, axis, side); });
     shift(-1);
     findAll(true);
   }
@@ -327,7 +331,7 @@ void constrain(const BackgroundGrid<Dim>& grid, Walls<Dim>& walls, std::span<dou
       v[1 + c] *= inverse;
   }
   forEachBody(
-    [&](std::span<double> nodes)
+    [&](std::span<double> nodes, std::size_t)
     {
       holdWalls(grid, walls, nodes);
       mirror(grid, walls, nodes);

@@ -195,8 +195,6 @@ void PointDynamics<Dim>::checkContact(std::size_t phases) const
   if (count == 1)
     return;
   checkOptions(o.precision == Precision::Double, "bodies that are not joined, in single precision", "take double");
-  checkOptions(!o.comm.parallel(), fmt::format("{} bodies that are not joined, on {} ranks", count, o.comm.size()),
-    "take one rank, or no friction between phases");
   checkOptions(o.bodies.ofPhase.size() >= phases &&
       std::all_of(o.bodies.ofPhase.begin(), o.bodies.ofPhase.end(), [&](std::uint8_t b) { return b < count; }),
     fmt::format("bodies of {} phases for points of {}", o.bodies.ofPhase.size(), phases),
@@ -221,6 +219,8 @@ std::vector<double> PointDynamics<Dim>::densities() const
     mass[body] += points_.column(MaterialPoints<Dim>::masses)[p];
     volume[body] += points_.column(MaterialPoints<Dim>::volumes)[p];
   }
+  options_.comm.sum(mass);
+  options_.comm.sum(volume);
   for (std::size_t b = 0; b < mass.size(); ++b)
     mass[b] = volume[b] > 0 ? mass[b] / volume[b] : 1; // of a body without points: never asked for
   return mass;

@@ -75,7 +75,7 @@ struct PointDynamicsOptions
 {
   double spacing = 0; ///< of the grid [m]; between walls the nearest that divides their distance
   std::array<std::array<Side, 2>, Dim> sides{};
-  /// What is not joined, on one rank; its densities are found. Like friction, with lumped mass only.
+  /// What is not joined; its densities are found. Like friction, with lumped mass only.
   Bodies bodies{};
   Shape shape = Shape::QuadraticSpline;
   Transfer transfer = Transfer::Apic;
@@ -122,8 +122,8 @@ public:
   /// two with one number. With the first step each point goes to the rank in whose slab of the grid it is.
   /// @throws ParameterError: options outside their range; a step above the stable one, which it names; fewer than three
   /// cells between walls; a law with fewer phases than the points have; several ranks and a transfer or mass that they
-  /// do not take, several bodies, or fewer than four rows of cells each; friction below 0, or with walls that are
-  /// straight or stick, or with a consistent mass
+  /// do not take, or fewer than four rows of cells each; friction below 0, or with walls that are straight or stick, or
+  /// with a consistent mass
   /// @throws InputError: no points, or points without mass or volume, outside the walls, or not finite
   /// @throws Cancelled: progress() asked to stop
   PointDynamics(
@@ -206,7 +206,7 @@ private:
   /// Points of all ranks are to store C, or none; and none but where it is used.
   void shareAffines();
   void checkContact(std::size_t phases) const;
-  [[nodiscard]] std::vector<double> densities() const; ///< of the bodies, of this rank's points
+  [[nodiscard]] std::vector<double> densities() const; ///< of the bodies. Collective
   /// Cells where the walls are now; of open axes where the points are, unless `keep`.
   void layGrid(bool keep);
   [[nodiscard]] GridAxis layAxis(int a, bool keep) const;

@@ -24,34 +24,45 @@ void SharedRows<Dim>::forEachShared(
 }
 
 template <int Dim>
-WallSums SharedRows<Dim>::add(const BackgroundGrid<Dim>& grid, std::span<double> nodes)
+void SharedRows<Dim>::swap(const Sides& out, Sides& in) const
 {
-  const GridAxis& g = grid.axis(axis_);
-  const std::int64_t lines = grid.count() / grid.nodes(axis_);
   const int size = comm_->size();
   const std::array<int, 2> neighbour{ (comm_->rank() + size - 1) % size, (comm_->rank() + 1) % size };
   constexpr std::array<int, 2> tag{ 81, 82 }; // upwards, downwards
   std::vector<MPI_Request> requests;
-  for (int side = 0; side < 2; ++side)
+  for (std::size_t s = 0; s < 2; ++s)
   {
-    if (!g.isCut(side))
+    in[s].resize(out[s].size());
+    if (out[s].empty())
       continue;
-    const auto s = static_cast<std::size_t>(side);
-    const auto values = static_cast<std::size_t>(lines * count(g, side) * nodeValues);
-    in_[s].resize(values);
-    out_[s].resize(values);
-    MPI_Irecv(in_[s].data(), static_cast<int>(values), MPI_DOUBLE, neighbour[s], tag[s], comm_->handle(),
-      &requests.emplace_back());
-    forEachShared(grid, nodes, side, Lines::All, out_[s].data(),
-      [](const double* node, double* kept) { std::copy_n(node, nodeValues, kept); });
-    MPI_Isend(out_[s].data(), static_cast<int>(values), MPI_DOUBLE, neighbour[s], tag[1 - s], comm_->handle(),
-      &requests.emplace_back());
+    const auto values = static_cast<int>(out[s].size());
+    MPI_Irecv(in[s].data(), values, MPI_DOUBLE, neighbour[s], tag[s], comm_->handle(), &requests.emplace_back());
+    MPI_Isend(out[s].data(), values, MPI_DOUBLE, neighbour[s], tag[1 - s], comm_->handle(), &requests.emplace_back());
   }
   MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
+}
+
+template <int Dim>
+WallSums SharedRows<Dim>::add(const BackgroundGrid<Dim>& grid, std::span<double> nodes, std::size_t body)
+{
+  const GridAxis& g = grid.axis(axis_);
+  const std::int64_t lines = grid.count() / grid.nodes(axis_);
+  if (in_.size() <= body)
+    in_.resize(body + 1);
+  for (int side = 0; side < 2; ++side)
+  {
+    const auto s = static_cast<std::size_t>(side);
+    out_[s].resize(g.isCut(side) ? static_cast<std::size_t>(lines * count(g, side) * nodeValues) : 0);
+    if (g.isCut(side))
+      forEachShared(grid, nodes, side, Lines::All, out_[s].data(),
+        [](const double* node, double* kept) { std::copy_n(node, nodeValues, kept); });
+  }
+  Sides& in = in_[body];
+  swap(out_, in);
 
   WallSums sums;
   if (seam(g, 0))
-    forEachShared(grid, nodes, 0, Lines::Own, in_[0].data(),
+    forEachShared(grid, nodes, 0, Lines::Own, in[0].data(),
       [&](const double* near, const double* far)
       {
         const double mass = near[0] + far[0];
@@ -63,7 +74,7 @@ WallSums SharedRows<Dim>::add(const BackgroundGrid<Dim>& grid, std::span<double>
       });
   for (int side = 0; side < 2; ++side)
     if (g.isCut(side))
-      forEachShared(grid, nodes, side, Lines::All, in_[static_cast<std::size_t>(side)].data(),
+      forEachShared(grid, nodes, side, Lines::All, in[static_cast<std::size_t>(side)].data(),
         [](double* node, const double* other)
         {
           for (int i = 0; i < nodeValues; ++i)
@@ -73,12 +84,13 @@ WallSums SharedRows<Dim>::add(const BackgroundGrid<Dim>& grid, std::span<double>
 }
 
 template <int Dim>
-void SharedRows<Dim>::shift(const BackgroundGrid<Dim>& grid, std::span<double> nodes, double velocity) const
+void SharedRows<Dim>::shift(
+  const BackgroundGrid<Dim>& grid, std::span<double> nodes, double velocity, std::size_t body) const
 {
   for (int side = 0; side < 2; ++side)
     if (seam(grid.axis(axis_), side))
       forEachShared(
-        grid, nodes, side, Lines::All, in_[static_cast<std::size_t>(side)].data(),
+        grid, nodes, side, Lines::All, in_[body][static_cast<std::size_t>(side)].data(),
         [&](double* node, const double* other) { node[1 + axis_] += (side == 0 ? -velocity : velocity) * other[0]; });
 }
 

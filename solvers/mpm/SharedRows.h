@@ -31,11 +31,24 @@ public:
 
   /// Adds what the neighbours' points have given. The same to the last bit on both sides, as there are only two.
   /// Nothing is done meanwhile: beside a pass over the points the exchange is short. Collective.
-  /// @param grid of this rank  @param nodes mass and momentum, folded along the other axes
+  /// @param grid of this rank  @param nodes mass and momentum, folded along the other axes  @param body whose they are
   /// @return what a period that goes around the ranks adds to its far end, in all on rank 0
-  WallSums add(const BackgroundGrid<Dim>& grid, std::span<double> nodes);
+  WallSums add(const BackgroundGrid<Dim>& grid, std::span<double> nodes, std::size_t body = 0);
   /// Then, momentum at the ends of such a period once it is known how fast it grows [m/s].
-  void shift(const BackgroundGrid<Dim>& grid, std::span<double> nodes, double velocity) const;
+  void shift(const BackgroundGrid<Dim>& grid, std::span<double> nodes, double velocity, std::size_t body = 0) const;
+  /// Values by side of the grid.
+  using Sides = std::array<std::vector<double>, 2>;
+  /// Gives `out` to the neighbour of each side, whose as many values are then `in`. A side without any is left alone,
+  /// as it is by its neighbour. Collective but for that.
+  void swap(const Sides& out, Sides& in) const;
+  /// The first and the last of the shared rows at an end that is cut, by their node along the axis. The outer one, −1
+  /// or cells + 1, is the last that this rank has, and the inner one the last that its neighbour has.
+  [[nodiscard]] std::array<int, 2> span(const BackgroundGrid<Dim>& grid, int side) const
+  {
+    const GridAxis& g = grid.axis(axis_);
+    const int rows = count(g, side);
+    return side == 0 ? std::array<int, 2>{ -1, rows - 2 } : std::array<int, 2>{ g.cells + 2 - rows, g.cells + 1 };
+  }
   /// Of all ranks. Collective.
   void sum(std::array<std::array<WallSums, 2>, Dim>& sums) const;
 
@@ -52,8 +65,8 @@ private:
 
   const Communicator* comm_;
   int axis_;
-  std::array<std::vector<double>, 2> out_; ///< by side
-  std::array<std::vector<double>, 2> in_;
+  Sides out_;
+  std::vector<Sides> in_; ///< by body
 };
 
 extern template class SharedRows<2>;

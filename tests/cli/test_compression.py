@@ -263,8 +263,8 @@ class Compression(Case):
         self.assertLess(rubs, joined * 1.01)
         self.assertLess(joined, platens)
         several = self.run_lamella(*words, "--friction", "wall-soft=0.3", ranks=2)
-        self.assertEqual(several.code, 2)
-        self.assertEqual(several.err.count("error: 2 bodies that are not joined, on 2 ranks\nhint: take one rank"), 1)
+        self.assertEqual(several.code, 0, several.err)
+        self.assertAlmostEqual(several.json()["stress"], rubs, delta=1e-9 * rubs)  # round-off, amplified
 
     def test_refused(self):
         gap = [[0] * 23] * 3 + self.rows
