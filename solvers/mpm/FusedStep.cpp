@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstring>
 
 namespace lamella::mpm
 {
@@ -18,6 +19,7 @@ constexpr int stripeRows = 8; // more than twice what a stray may be off, and th
 constexpr std::size_t worthThreads = 2000;
 constexpr double sortAt = 0.02;           // share of strays
 constexpr std::int64_t cellsAtOnce = 256; // whose points' C is found together
+constexpr std::size_t clearedAtOnce = 4096;
 
 /// From node 0, or from the last one inwards, to where a point counts as outside [spacings]: open ends with two cells
 /// of room, cuts half a cell beyond this rank's rows; elsewhere a quarter of a cell beyond the last nodes, where
@@ -414,10 +416,14 @@ void FusedStep<Dim>::run(
   points_.setAffines({}); // from here on the nodes' velocities tell it
   aside_.clear();
   next_.resize(nodes_.size());
-  const auto values = static_cast<std::int64_t>(next_.size());
-#pragma omp parallel for simd schedule(static) if (points_.count() > worthThreads)
-  for (std::int64_t i = 0; i < values; ++i)
-    next_[static_cast<std::size_t>(i)] = 0;
+  // as blocks of bytes: a loop over numbers is not vectorised here, and a twentieth of a sparse plane's time
+  const auto blocks = static_cast<std::int64_t>((next_.size() + clearedAtOnce - 1) / clearedAtOnce);
+#pragma omp parallel for schedule(static) if (points_.count() > worthThreads)
+  for (std::int64_t b = 0; b < blocks; ++b)
+  {
+    const std::size_t first = static_cast<std::size_t>(b) * clearedAtOnce;
+    std::memset(next_.data() + first, 0, std::min(clearedAtOnce, next_.size() - first) * sizeof(double));
+  }
   PointSweep job = jobOf(from, to, dt, kick);
   job.keep = keep;
   job.momentum = next_.data();
