@@ -1,8 +1,9 @@
-"""Foams of closed cells pressed between platens that slide, rub or hold.
+"""Pressed between platens: foams of closed cells by platens that slide, rub or hold, and softwood in space, radially and tangentially.
 
-PYTHONPATH=build/python /usr/bin/python3 benchmarks/rough-platens.py [dimension=2|3]
+PYTHONPATH=build/python /usr/bin/python3 benchmarks/pressing.py study=platens [dimension=2|3]
+PYTHONPATH=build/python /usr/bin/python3 benchmarks/pressing.py study=softwood [nodes=48]
 
-Curves, points and a picture go to results/bench-rough-platens, or output=FOLDER; what is there is not run again. Processor times.
+Curves, points and a picture go to results/bench-pressing, or output=FOLDER; what is there is not run again. Processor times.
 """
 
 import json
@@ -74,7 +75,7 @@ def at(curve, strain, column="stress"):
     return float(np.interp(strain, curve["strain"], curve[column]))
 
 
-def draw(axes, points, spacing, thickness=None):
+def draw(axes, points, spacing, thickness=None, size=0.7):
     """Points, or those of a slice through the middle, coloured by the logarithm of their energy.
 
     thickness  of the slice [spacings]; none: all points of a plane
@@ -83,12 +84,13 @@ def draw(axes, points, spacing, thickness=None):
     shown = np.ones(len(x), bool) if thickness is None else np.abs(x[:, 1] - x[:, 1].mean()) < thickness * spacing
     up = 1 if thickness is None else 2
     energy = points["energy"][shown]
-    axes.scatter(x[shown, 0], x[shown, up], c=np.log10(np.maximum(energy, energy.max() * 1e-4)), s=0.7, marker="s", cmap="viridis", linewidths=0)
+    axes.scatter(x[shown, 0], x[shown, up], c=np.log10(np.maximum(energy, energy.max() * 1e-4)), s=size, marker="s", cmap="viridis", linewidths=0)
     axes.set_aspect("equal")
     axes.set_axis_off()
 
 
-def platens(folder, dimension):
+def platens(folder, keys):
+    dimension = int(keys.get("dimension", 2))
     nodes, cells, wall, end = (120, 10, 3, 0.3) if dimension == 2 else (32, 3, 2, 0.2)
     image = foam(nodes, cells, wall, dimension)
     print(f"foam of {cells} cells along each axis in {nodes} nodes, {image.mean():.3f} solid")
@@ -120,11 +122,47 @@ def platens(folder, dimension):
     plt.savefig(folder / f"platens-{dimension}.png", dpi=130)
 
 
+def softwood(folder, keys):
+    """The walls' axis is the grain, along z; x is radial, y tangential."""
+    nodes = int(keys.get("nodes", 48))
+    spacing = 118e-6 / nodes
+    sample = lamella.softwood(size=(nodes, nodes, nodes // 4), spacing=spacing, solid_fraction=0.4, seed=3)
+    grain = np.zeros((*sample.shape, 3), np.float32)
+    grain[..., 2] = 1
+    sample.set_array("axis", grain)
+    _, picture = plt.subplots(1, 3, figsize=(11, 3.6))
+    for axes, axis, name in zip(picture, "xy", ("radially", "tangentially")):
+        facts, (_, points) = pressed(sample, folder, f"softwood-{axis}-{nodes}-2", axis=axis, strain=0.4, law="orthotropic", young=30e9,
+                                     transverse=6.4e9, fit_platens=True, points_per_node=2, rows=80, most_speed=0.04)
+        curve = {key: np.array(values) for key, values in facts["curve"].items()}
+        print(f"pressed {name}: {facts['statistics']['points']:.0f} points, {facts['statistics']['steps']:.0f} steps,"
+              f" {facts['seconds']:.0f} s")
+        for strain in (0.01, 0.03, 0.05, 0.1, 0.2, 0.3, 0.4):
+            print(f"  {strain}: {at(curve, strain) / 1e6:.2f} MPa, porosity {at(curve, strain, 'porosity'):.4f},"
+                  f" sides {100 * at(curve, strain, 'lateral_strain'):.2f} %")
+        flat = (curve["strain"] > 0.149) & (curve["strain"] < 0.251)
+        found = lamella.compression_curve(curve["strain"], curve["stress"])
+        print(f"  slope to 3 % {found.stiffness / 1e6:.0f} MPa; 15 to 25 %: {curve['stress'][flat].mean() / 1e6:.1f} MPa,"
+              f" tangent {np.polyfit(curve['strain'][flat], curve['stress'][flat], 1)[0] / 1e6:.0f} MPa;"
+              f" 30 to 40 %: {(at(curve, 0.4) - at(curve, 0.3)) / 0.1e6:.0f} MPa; missing: {found.missing}")
+        shares = {key: float(curve[key][-1] / curve["work"][-1]) for key in ("elastic_energy", "kinetic_energy", "dissipated")}
+        print(f"  of the work: {shares}; {facts['quality']}; {facts['warnings']}")
+        x = points["positions"]
+        slab = np.abs(x[:, 2] - x[:, 2].mean()) < spacing  # two layers of points
+        draw(axes, {"positions": x[slab], "energy": points["energy"][slab]}, spacing, size=2)
+        axes.set_title(f"pressed {name}")
+        picture[2].plot(100 * curve["strain"], curve["stress"] / 1e6, label=name)
+    picture[2].set(xlabel="strain [%]", ylabel="stress [MPa]")
+    picture[2].legend()
+    plt.tight_layout()
+    plt.savefig(folder / "softwood.png", dpi=130)
+
+
 def main():
     keys = dict(argument.partition("=")[::2] for argument in sys.argv[1:])
-    folder = pathlib.Path(keys.get("output", "results/bench-rough-platens"))
+    folder = pathlib.Path(keys.get("output", "results/bench-pressing"))
     folder.mkdir(parents=True, exist_ok=True)
-    platens(folder, int(keys.get("dimension", 2)))
+    {"platens": platens, "softwood": softwood}[keys.get("study", "platens")](folder, keys)
 
 
 if __name__ == "__main__":
