@@ -20,8 +20,8 @@ constexpr int mostLittles = 8;      // corrections that change little, one after
 // Wide windows, in the plane: what windows around single breaks leave lies beside their rims, and a window twice as
 // wide takes it in. So whole lattices are corrected more seldom by
 constexpr int wides = 5;
-constexpr int wideRadius = 20; // in the plane 9 and 5 around a break
-constexpr int wideCoarse = 10;
+constexpr int wideRadius = 24; // in the plane 12 and 6 around a break
+constexpr int wideCoarse = 12;
 constexpr int wideCycles = 3;
 constexpr double wideReduction = 0.3; // of what a break's correction leaves
 constexpr double closer = 0.1;        // margin of rivals thereafter, over that before
@@ -29,11 +29,6 @@ constexpr double closer = 0.1;        // margin of rivals thereafter, over that 
 int orUsual(int radius, int dimension, int inPlane, int inSpace)
 {
   return radius > 0 ? radius : dimension == 3 ? inSpace : inPlane;
-}
-
-int usualRadius(const BondLattice& bonds)
-{
-  return std::max(9, bonds.stencil().layers() + 6); // in the plane
 }
 
 const Communicator& teamOf(const BondLattice& bonds, const BondLattice* parts)
@@ -53,8 +48,8 @@ EventEngine::EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSam
   , state_(bonds, sample.fixed, sample.displacement, tolerance, progress, teamOf(bonds, parts))
   , tiles_(bonds, teamOf(bonds, parts))
   , pieces_(bonds, sample, platens)
-  , radius_(orUsual(options.radius, bonds.dimension(), usualRadius(bonds), 6))
-  , coarseRadius_(orUsual(options.coarseRadius, bonds.dimension(), 5, 4))
+  , radius_(orUsual(options.radius, bonds.dimension(), 12, 6))
+  , coarseRadius_(orUsual(options.coarseRadius, bonds.dimension(), 6, 4))
   , wide_(bonds.dimension() == 2)
   , reached_(tolerance)
 {
@@ -96,8 +91,8 @@ EventEngine::EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSam
   , state_(bonds, sample.fixed, { resumed.displacement, resumed.numbers.at("load force") }, teamOf(bonds, parts))
   , tiles_(bonds, teamOf(bonds, parts))
   , pieces_(bonds, sample, platens)
-  , radius_(orUsual(options.radius, bonds.dimension(), usualRadius(bonds), 6))
-  , coarseRadius_(orUsual(options.coarseRadius, bonds.dimension(), 5, 4))
+  , radius_(orUsual(options.radius, bonds.dimension(), 12, 6))
+  , coarseRadius_(orUsual(options.coarseRadius, bonds.dimension(), 6, 4))
   , wide_(bonds.dimension() == 2)
   , workOverForce_(resumed.numbers.at("work over force"))
   , reached_(resumed.numbers.at("residual"))

@@ -40,10 +40,9 @@ enum class Breaking
 /// the broken bonds were those of FractureMethod::Accurate, on cemented grains and on wood.
 struct EventOptions
 {
-  /// Nodes around a broken bond that are corrected on the finest level. 0: 6 beyond a bond's reach in the plane, 9
-  /// at least; 6 in space.
+  /// Nodes around a broken bond that are corrected on the finest level. 0: 12 in the plane, 6 in space.
   int radius = 0;
-  /// On each coarser one, beyond what the finer one's window covers. 0: 5 in the plane, 4 in space.
+  /// On each coarser one, beyond what the finer one's window covers. 0: 6 in the plane, 4 in space.
   int coarseRadius = 0;
   double reduction = 0.02; ///< of the residual around the bond, over the force that it carried
   int maxCycles = 12;      ///< around a bond
