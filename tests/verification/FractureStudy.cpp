@@ -163,7 +163,7 @@ TEST(FractureStudy, StatesAreEquilibria)
 TEST(FractureStudy, MemoryIsEstimated)
 {
   for (const auto& [sample, mostANode] :
-    { std::pair{ aggregate(96, 160), 270.0 }, { aggregate(16, 16, 24), 1250.0 }, { aggregate(48, 48, 64), 380.0 } })
+    { std::pair{ aggregate(96, 160), 275.0 }, { aggregate(16, 16, 24), 1250.0 }, { aggregate(48, 48, 64), 380.0 } })
     for (const FractureMethod method : { FractureMethod::Events, FractureMethod::Accurate })
     {
       const Breakable s{ sample, aggregateModel(sample.lattice.dimension) };
