@@ -88,30 +88,17 @@ NodeField<double> firstGuess(
   return guess;
 }
 
-double dot(const BondLattice& bonds, const NodeField<double>& a, const NodeField<double>& b)
-{
-  const NodeLayout& l = bonds.layout();
-  return sumOfRows(bonds.communicator(), l,
-    [&](std::int64_t i)
-    {
-      double sum = 0;
-      for (int c = 0; c < l.dimension; ++c)
-        sum += levelKernels().dot(l.size[0], a.component(c) + i, b.component(c) + i);
-      return sum;
-    });
-}
-
 /// λᵀK′u by kind of bond, K′ that of the kind: by the forces of each kind but the last, which has what the others
 /// leave of all.
 std::vector<double> mutualEnergies(const BondLattice& bonds, const NodeField<double>& lambda, const BreakState& state)
 {
   std::vector<double> energies(bonds.kinds().size(), 0.0);
-  energies.back() = -dot(bonds, lambda, state.force);
+  energies.back() = -dot(bonds.communicator(), lambda, state.force);
   NodeField<double> force(bonds.layout());
   for (std::size_t k = 1; k + 1 < energies.size(); ++k)
   {
     linearForceOfKind(bonds, state.u, static_cast<int>(k), force);
-    energies[k] = -dot(bonds, lambda, force);
+    energies[k] = -dot(bonds.communicator(), lambda, force);
     energies.back() -= energies[k];
   }
   return energies;

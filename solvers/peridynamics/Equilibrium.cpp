@@ -38,15 +38,7 @@ Equilibrium::~Equilibrium() = default;
 
 double Equilibrium::dot(const NodeField<double>& a, const NodeField<double>& b) const
 {
-  const NodeLayout& l = a.layout();
-  return sumOfRows(bonds_.communicator(), l,
-    [&](std::int64_t i)
-    {
-      double sum = 0;
-      for (int c = 0; c < l.dimension; ++c)
-        sum += levelKernels().dot(l.size[0], a.component(c) + i, b.component(c) + i);
-      return sum;
-    });
+  return peridynamics::dot(bonds_.communicator(), a, b);
 }
 
 double Equilibrium::norm(const NodeField<double>& a) const

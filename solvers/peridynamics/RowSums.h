@@ -26,4 +26,18 @@ double sumOfRows(const Communicator& comm, const NodeLayout& l, OfRow&& ofRow)
   return comm.sum(total);
 }
 
+/// a·b over own nodes of all ranks. Collective.
+inline double dot(const Communicator& comm, const NodeField<double>& a, const NodeField<double>& b)
+{
+  const NodeLayout& l = a.layout();
+  return sumOfRows(comm, l,
+    [&](std::int64_t i)
+    {
+      double sum = 0;
+      for (int c = 0; c < l.dimension; ++c)
+        sum += levelKernels().dot(l.size[0], a.component(c) + i, b.component(c) + i);
+      return sum;
+    });
+}
+
 } // namespace lamella::peridynamics
