@@ -55,6 +55,7 @@ EventEngine::EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSam
 {
   refine();
   afterGlobal(0, seconds());
+  rise_ = options.beforeRise(bonds.dimension(), carried(sample));
   if (force_ > 0)
     workOverForce_ = 2 * elasticEnergy(bonds, state_.base(), false) / force_;
 }
@@ -81,6 +82,15 @@ void EventEngine::refine()
   }
 }
 
+double EventEngine::carried(const LoadedSample& sample) const
+{
+  if (sample.pores)
+    return 1;
+  NodeField<double> force(bonds_.layout());
+  linearForce(bonds_, sample.displacement, force);
+  return force_ / platens_.of(bonds_, force);
+}
+
 EventEngine::EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSample& sample, const PlatenForce& platens,
   const EventOptions& options, double tolerance, const EngineState& resumed)
   : bonds_(bonds)
@@ -96,6 +106,7 @@ EventEngine::EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSam
   , wide_(bonds.dimension() == 2)
   , workOverForce_(resumed.numbers.at("work over force"))
   , reached_(resumed.numbers.at("residual"))
+  , rise_(resumed.numbers.at("residual before a rise"))
 {
   statistics_ = resumed.statistics;
   searchesBefore_ = statistics_.searches;
@@ -105,7 +116,8 @@ EventEngine::EventEngine(BondLattice& bonds, BondLattice* parts, const LoadedSam
 EngineState EventEngine::state() const
 {
   return { state_.base(),
-    { { "load force", state_.reference() }, { "work over force", workOverForce_ }, { "residual", reached_ } },
+    { { "load force", state_.reference() }, { "work over force", workOverForce_ }, { "residual", reached_ },
+      { "residual before a rise", rise_ } },
     statistics_ };
 }
 
@@ -168,9 +180,9 @@ double EventEngine::toleranceOf(Nearness nearness) const noexcept
   switch (nearness)
   {
     case Nearness::Softening:
-      return std::max(options_.softeningTolerance, options_.beforeRise(bonds_.dimension()));
+      return std::max(options_.softeningTolerance, rise_);
     case Nearness::Exact:
-      return options_.beforeRise(bonds_.dimension());
+      return rise_;
     case Nearness::Avalanche:
       break;
   }

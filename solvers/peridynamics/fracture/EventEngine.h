@@ -50,8 +50,9 @@ private:
   void correctAround();
   [[nodiscard]] bool rivals(const StretchMaximum& most, double margin) const;
   void afterGlobal(int iterations, double start);
-  void refine();  ///< the first equilibrium, where the tolerance may leave too much of the force
-  void measure(); ///< what follows from the state in one go
+  void refine(); ///< the first equilibrium, where the tolerance may leave too much of the force
+  [[nodiscard]] double carried(const LoadedSample& sample) const; ///< as FractureRecord::carried
+  void measure();                                                 ///< what follows from the state in one go
 
   BondLattice& bonds_;
   BondLattice* parts_;
@@ -72,6 +73,7 @@ private:
   double target_ = 0;        ///< of the last local correction
   int littles_ = 0;          ///< corrections that changed little since all bonds were looked at
   double reached_ = 1;       ///< tolerance of the last global correction
+  double rise_ = 0;          ///< tolerance before a rise
   std::int64_t searchesBefore_ = 0; ///< that another engine made
 };
 

@@ -6,6 +6,7 @@
 #include "peridynamics/fracture/CrackContact.h"
 #include "peridynamics/fracture/FractureCheckpoint.h"
 
+#include <algorithm>
 #include <cstdint>
 #include <functional>
 #include <limits>
@@ -58,15 +59,20 @@ struct EventOptions
   /// another way.
   double rivals = 5e-3;
   double rivalTolerance = 5e-5;
-  /// The same before the load rises, on which the peak depends. 0: 1e-6 in the plane, 2e-6 in space.
+  /// The same before the load rises, on which the peak depends. 0: 1e-6 in the plane, 2e-6 in space, and where little
+  /// is carried 5e-4 of that, but not below 1e-7.
   double riseTolerance = 0;
   /// The same where the stress stays a twentieth below the largest so far: no strength depends on it any more.
   double softeningTolerance = 5e-6;
 
   /// riseTolerance, or what it is without one.
-  [[nodiscard]] double beforeRise(int dimension) const noexcept
+  /// @param carried as FractureRecord::carried: tolerances count over the force under even strain
+  [[nodiscard]] double beforeRise(int dimension, double carried) const noexcept
   {
-    return riseTolerance > 0 ? riseTolerance : dimension == 3 ? 2e-6 : 1e-6;
+    constexpr double least = 1e-7; // states are in single precision
+    if (riseTolerance > 0)
+      return riseTolerance;
+    return std::clamp(5e-4 * carried, least, dimension == 3 ? 2e-6 : 1e-6);
   }
 };
 
