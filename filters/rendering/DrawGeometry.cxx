@@ -105,10 +105,12 @@ std::array<double, 6> RoomyBounds(vtkPolyData* geometry, double& size, bool& isF
   return bounds;
 }
 
-/// Lines alone are tubes in space. @param linePixels their thickness @param scale pixels a unit
-vtkSmartPointer<vtkActor> ActorOf(
-  vtkPolyData* colored, bool isFlat, const Color& color, double linePixels, double scale)
+} // namespace
+
+vtkSmartPointer<vtkActor> GeometryActor(vtkPolyData* geometry, const std::optional<Quantity>& field, bool isFlat,
+  const Color& color, double linePixels, double scale)
 {
+  const auto colored = Colored(geometry, field);
   vtkNew<vtkPolyDataMapper> mapper;
   const bool onlyLines =
     colored->GetNumberOfPolys() == 0 && colored->GetNumberOfStrips() == 0 && colored->GetNumberOfLines() > 0;
@@ -139,8 +141,6 @@ vtkSmartPointer<vtkActor> ActorOf(
   property->SetLighting(!isFlat);
   return actor;
 }
-
-} // namespace
 
 Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
 {
@@ -179,8 +179,7 @@ Drawing DrawGeometry(vtkPolyData* given, const SnapshotOptions& options)
     drawing.range = { field->low, field->high };
 
   const double linePixels = std::max(1.5, 0.11 * layout.font);
-  const auto actor =
-    ActorOf(Colored(geometry, field), isFlat, plain ? GrainColor : PlainColor, linePixels, layout.scale);
+  const auto actor = GeometryActor(geometry, field, isFlat, plain ? GrainColor : PlainColor, linePixels, layout.scale);
   vtkNew<vtkRenderer> renderer;
   renderer->AddActor(actor);
   if (forces)

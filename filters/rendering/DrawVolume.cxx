@@ -9,8 +9,10 @@
 #include "Voxels.h"
 #include "vtkActor.h"
 #include "vtkCellArray.h"
+#include "vtkCellData.h"
 #include "vtkImageData.h"
 #include "vtkNew.h"
+#include "vtkPointData.h"
 #include "vtkPoints.h"
 #include "vtkPolyData.h"
 #include "vtkPolyDataMapper.h"
@@ -123,6 +125,28 @@ vtkSmartPointer<vtkActor> Edges(const VoxelBlock& block, const Point3& towards, 
   return actor;
 }
 
+/// Those whose value is in the range.
+void KeepRange(VoxelBlock& block, const Quantity& field, const SnapshotOptions& options)
+{
+  if (!options.range)
+    throw InputError("only voxels in the range are asked for, and no range", "give --range, as 0.3,1");
+  std::transform(field.values.begin(), field.values.end(), block.solid.begin(),
+    [&](float value) { return value >= field.low && value <= field.high; });
+}
+
+constexpr Color InsideColor{ 0x7b, 0x1e, 0x2b, 255 };
+
+/// What colours geometry inside: the event, if it has one.
+std::optional<Quantity> FieldInside(vtkPolyData* geometry, const SnapshotOptions& given)
+{
+  if (geometry->GetPointData()->HasArray("event") == 0 && geometry->GetCellData()->HasArray("event") == 0)
+    return {};
+  SnapshotOptions options = given;
+  options.arrayName = "event";
+  options.preset = vtkSnapshot::SCALAR;
+  return FindQuantity(geometry, { 0, 0, 0 }, options);
+}
+
 } // namespace
 
 Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
@@ -144,15 +168,26 @@ Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
   {
     // Colours are numbers here: shading is only a hint at the faces' directions.
     block.solid.assign(field.values.size(), true);
-    CutOctant(block, view.Towards());
+    if (options.onlyRange)
+      KeepRange(block, field, options);
+    else
+      CutOctant(block, view.Towards());
     light = { { 0.95, 0.88, 1.0 }, 0.0 };
   }
-  if (std::find(block.solid.begin(), block.solid.end(), true) == block.solid.end())
+  // nothing in the range is a picture, too: a film begins so
+  const bool empty = std::find(block.solid.begin(), block.solid.end(), true) == block.solid.end();
+  if (empty && field.IsCategorical())
     throw InputError("the volume has nothing but voids", "there is no solid phase to draw");
 
   Furniture furniture = Describe(field, options);
   if (field.IsCategorical())
     std::erase_if(furniture.legend, [&](const LegendEntry& entry) { return IsVoidName(entry.text); });
+  vtkPolyData* const inside = field.IsCategorical() ? options.overlayLines : nullptr;
+  std::optional<Quantity> insideField;
+  if (inside)
+    insideField = FieldInside(inside, options);
+  if (insideField)
+    furniture.bar = Describe(*insideField, options).bar;
   const Layout layout = ArrangeOrThrow(furniture, view.Width(), view.Height(), false, options);
   const Color background = BackgroundColor(options);
   const Color ink = InkOn(background);
@@ -168,7 +203,10 @@ Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
   actor->GetProperty()->LightingOff();
   vtkNew<vtkRenderer> renderer;
   renderer->AddActor(actor);
-  const auto edges = Edges(block, view.Towards(), !field.IsCategorical(), ink);
+  if (inside)
+    renderer->AddActor(
+      GeometryActor(inside, insideField, false, InsideColor, std::max(1.5, 0.11 * layout.font), layout.scale));
+  const auto edges = Edges(block, view.Towards(), !field.IsCategorical() && !options.onlyRange, ink);
   edges->GetProperty()->SetLineWidth(static_cast<float>(2 * layout.Rule())); // drawn at twice the size
   renderer->AddActor(edges);
   if (translucent)

@@ -4,13 +4,19 @@
 #include "Furniture.h"
 #include "SnapshotOptions.h"
 
-#include <array>
+#include "vtkSmartPointer.h"
 
+#include <array>
+#include <optional>
+
+class vtkActor;
 class vtkImageData;
 class vtkPolyData;
 
 namespace lamella::rendering
 {
+
+struct Quantity;
 
 /// A finished picture.
 struct Drawing
@@ -31,6 +37,11 @@ struct Drawing
 /// Lines, points and surfaces; seen from above when they lie in a plane z = constant.
 /// @throws InputError
 [[nodiscard]] Drawing DrawGeometry(vtkPolyData* geometry, const SnapshotOptions& options);
+
+/// Lines, points and surfaces to be lit and drawn in the colours of a field, or in one. Lines alone are tubes in space.
+/// @param linePixels their thickness @param scale pixels a unit
+[[nodiscard]] vtkSmartPointer<vtkActor> GeometryActor(vtkPolyData* geometry, const std::optional<Quantity>& field,
+  bool isFlat, const Color& color, double linePixels, double scale);
 
 /// What the three have in common: canvas, layout, ink.
 /// @throws InputError when the size asked for leaves no room

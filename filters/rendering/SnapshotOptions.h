@@ -37,6 +37,7 @@ struct SnapshotOptions
   double azimuth = -60;
   double elevation = 30;
   double opacity = 1;
+  bool onlyRange = false;
 };
 
 } // namespace lamella::rendering

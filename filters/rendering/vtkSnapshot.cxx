@@ -256,6 +256,7 @@ vtkImageData* vtkSnapshot::Draw()
   options.azimuth = this->Azimuth;
   options.elevation = this->Elevation;
   options.opacity = this->Opacity;
+  options.onlyRange = this->OnlyRange;
   try
   {
     lamella::checkSettings(this);

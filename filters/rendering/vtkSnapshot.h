@@ -189,7 +189,9 @@ public:
 
   ///@{
   /**
-   * Streamlines computed elsewhere (in the coordinates of the data), drawn instead of our own.
+   * Computed elsewhere, in the coordinates of the data: streamlines, drawn instead of our own; on grains their
+   * contacts; in a volume's phases lines, surfaces and points, as the cracks of vtkCrackPath and broken bonds, coloured
+   * by their array `event` if they have one.
    */
   void SetOverlayLines(vtkPolyData* lines);
   vtkPolyData* GetOverlayLines();
@@ -290,7 +292,14 @@ public:
   vtkSettingMacro(Elevation, double, 30);
 
   /**
-   * Volumes: opacity of the surface of the preset phase.
+   * Volumes: draw only voxels whose value lies in the range, which must be given, instead of a block with an octant cut
+   * away: what lies scattered inside, as damage from 0.3 to 1.
+   * @group Drawing
+   */
+  vtkSwitchMacro(OnlyRange, false);
+
+  /**
+   * Volumes: opacity of the surface of the preset phase. Make it small where lines or cracks inside are to be seen.
    * @group Page
    * @range [0, 1]
    */

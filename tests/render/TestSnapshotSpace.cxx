@@ -9,6 +9,7 @@
 #include <vtkCellArray.h>
 #include <vtkCellData.h>
 #include <vtkFieldData.h>
+#include <vtkIntArray.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkStringArray.h>
@@ -109,6 +110,64 @@ TEST_F(SnapshotSpace, TranslucentSolidShowsMore)
   this->Snapshot->SetOpacity(0.3);
   vtkImageData* translucent = this->draw(samples::volume());
   EXPECT_GT(pixels::difference(opaque, translucent, this->data(), 10), 0.3);
+}
+
+TEST_F(SnapshotSpace, OnlyTheRange)
+{
+  this->Snapshot->SetPreset(vtkSnapshot::CONCENTRATION);
+  this->Snapshot->OnlyRangeOn();
+  this->Snapshot->SetInputData(samples::volume());
+  EXPECT_EQ(this->Snapshot->Draw(), nullptr);
+  EXPECT_NE(std::string(this->Snapshot->GetErrorMessage()).find("no range"), std::string::npos);
+  const auto inked = [&](double low, double high)
+  {
+    this->Snapshot->SetRange(low, high);
+    vtkImageData* picture = this->draw(samples::volume());
+    return 1 - pixels::shareOf(picture, this->data(), White);
+  };
+  const double whole = inked(0, 1);
+  const double upper = inked(0.8, 1); // a fifth of the box, with all of its top
+  EXPECT_LT(upper, 0.85 * whole);
+  EXPECT_GT(upper, 0.3 * whole);
+  EXPECT_LT(inked(1.5, 2), 0.05) << "nothing but the edges of the box";
+}
+
+TEST_F(SnapshotSpace, ASurfaceInsideATranslucentSolid)
+{
+  const auto sample = samples::volume();
+  vtkNew<vtkPoints> points;
+  vtkNew<vtkCellArray> cells;
+  vtkNew<vtkIntArray> events;
+  events->SetName("event");
+  std::array<double, 6> b{};
+  sample->GetBounds(b.data());
+  for (int k = 0; k < 2; ++k)
+    for (int j = 0; j < 2; ++j)
+      points->InsertNextPoint(b[static_cast<std::size_t>(k)], b[static_cast<std::size_t>(2 + j)], (b[4] + b[5]) / 2);
+  cells->InsertNextCell({ 0, 1, 2 });
+  cells->InsertNextCell({ 1, 2, 3 });
+  events->InsertNextValue(0);
+  events->InsertNextValue(100);
+  vtkNew<vtkPolyData> crack;
+  crack->SetPoints(points);
+  crack->SetPolys(cells);
+  this->Snapshot->SetPreset(vtkSnapshot::PHASE);
+  this->Snapshot->SetSize(400, 400);
+  this->Snapshot->SetOpacity(0.2);
+  vtkNew<vtkImageData> without;
+  without->DeepCopy(this->draw(sample));
+  this->Snapshot->SetOverlayLines(crack);
+  vtkNew<vtkImageData> plain;
+  plain->DeepCopy(this->draw(sample));
+  EXPECT_GT(pixels::difference(without, plain, this->data(), 10), 0.2);
+  crack->GetCellData()->AddArray(events); // a colour bar, and a triangle of either end
+  vtkImageData* colored = this->draw(sample);
+  ASSERT_NE(colored, nullptr);
+  EXPECT_GT(pixels::difference(plain, colored, this->data(), 10), 0.2);
+  const int alone = this->data().width;
+  this->Snapshot->SetShowLegend(true);
+  ASSERT_NE(this->draw(sample), nullptr);
+  EXPECT_LT(this->data().width, alone) << "a colour bar of events and the phase take their room";
 }
 
 TEST_F(SnapshotSpace, TransparentBackgroundOfAVolume)

@@ -130,10 +130,12 @@ void snapshot(Session& session, const SnapshotOptions& options, const std::strin
   {
     const auto lines = readGrid(options.lines);
     auto* polyData = vtkPolyData::SafeDownCast(lines);
-    if (polyData == nullptr || polyData->GetNumberOfLines() == 0)
+    auto* volume = vtkImageData::SafeDownCast(data);
+    const bool inside = volume != nullptr && volume->GetDataDimension() == 3;
+    if (polyData == nullptr || (inside ? polyData->GetNumberOfCells() : polyData->GetNumberOfLines()) == 0)
     {
-      throw InputError("'" + options.lines + "' holds no lines",
-        "give the .vtp that lamella flux-map wrote, or on grains that of lamella packing --contacts");
+      throw InputError("'" + options.lines + "' holds no " + (inside ? "lines, surfaces or points" : "lines"),
+        "give the .vtp that lamella flux-map or crack-path wrote, or on grains that of lamella packing --contacts");
     }
     drawing->SetOverlayLines(polyData);
   }
@@ -186,7 +188,9 @@ Command snapshotCommand(CLI::App& root)
   addRawOptions(*app, o->picture);
   o->settings.declare(*app, "vtkSnapshot", { "overwrite", "provenance" });
   addOption(*app, "Drawing", "--lines", o->lines,
-    "Draw this file: streamlines of flux-map, or on grains the contacts of packing", "FILE.vtp");
+    "Draw this file: streamlines of flux-map; on grains the contacts of packing; in the phases of a volume, which a "
+    "small opacity makes see-through, cracks of crack-path or broken bonds of fracture",
+    "FILE.vtp");
   app->add_option("--view", o->view)->group("");
   app->add_flag("--streamlines", o->streamlines)->group("");
   app->add_flag("--arrows", o->arrows)->group("");
