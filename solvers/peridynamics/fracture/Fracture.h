@@ -37,7 +37,7 @@ enum class Breaking
   Batched ///< all that are critical at once, as in the papers; after the peak the path depends on it. Accurate only
 };
 
-/// How FractureMethod::Events trades time for accuracy. With the defaults the peak was within 0.01 % and 98 to 100 % of
+/// How FractureMethod::Events trades time for accuracy. With the defaults the peak was within 0.02 % and 98 to 100 % of
 /// the broken bonds were those of FractureMethod::Accurate, on cemented grains and on wood.
 struct EventOptions
 {
