@@ -129,22 +129,64 @@ vtkSmartPointer<vtkActor> Edges(const VoxelBlock& block, const Point3& towards, 
 void KeepRange(VoxelBlock& block, const Quantity& field, const SnapshotOptions& options)
 {
   if (!options.range)
-    throw InputError("only voxels in the range are asked for, and no range", "give --range, as 0.3,1");
+    throw InputError("only voxels in the range are asked for, and no range", "give a range, as 0.3 to 1");
   std::transform(field.values.begin(), field.values.end(), block.solid.begin(),
     [&](float value) { return value >= field.low && value <= field.high; });
 }
 
 constexpr Color InsideColor{ 0x7b, 0x1e, 0x2b, 255 };
 
-/// What colours geometry inside: the event, if it has one.
-std::optional<Quantity> FieldInside(vtkPolyData* geometry, const SnapshotOptions& given)
+/// Lines, surfaces and points in a volume, and what colours them: the event, if they have one.
+struct Inside
 {
-  if (geometry->GetPointData()->HasArray("event") == 0 && geometry->GetCellData()->HasArray("event") == 0)
-    return {};
-  SnapshotOptions options = given;
-  options.arrayName = "event";
-  options.preset = vtkSnapshot::SCALAR;
-  return FindQuantity(geometry, { 0, 0, 0 }, options);
+  vtkSmartPointer<vtkPolyData> geometry; ///< none where nothing has happened yet
+  std::optional<Quantity> field;
+  std::optional<ColorBar> bar;
+};
+
+/// The event of a cell, or of its first point.
+double EventOf(vtkPolyData* geometry, vtkDataArray* events, bool onCells, vtkIdType cell)
+{
+  vtkIdType count = 0;
+  const vtkIdType* points = nullptr;
+  if (!onCells)
+    geometry->GetCellPoints(cell, count, points);
+  return onCells ? events->GetComponent(cell, 0) : count > 0 ? events->GetComponent(points[0], 0) : 0;
+}
+
+Inside FindInside(vtkPolyData* given, const SnapshotOptions& options)
+{
+  Inside inside{ given, {}, {} };
+  vtkDataArray* const onCells = given->GetCellData()->GetArray("event");
+  vtkDataArray* const events = onCells ? onCells : given->GetPointData()->GetArray("event");
+  if (!events)
+  {
+    if (options.untilEvent > 0)
+      throw InputError("what is to be drawn until an event has no array event",
+        "give the cracks of crack-path or the broken bonds of fracture");
+    return inside;
+  }
+  SnapshotOptions byEvent = options;
+  byEvent.arrayName = "event";
+  byEvent.preset = vtkSnapshot::SCALAR;
+  if (!byEvent.range && options.untilEvent > 0) // one for all of a film
+    byEvent.range = { 0, events->GetRange(0)[1] };
+  if (options.untilEvent > 0)
+  {
+    inside.geometry = vtkSmartPointer<vtkPolyData>::New();
+    inside.geometry->DeepCopy(given);
+    inside.geometry->BuildCells();
+    for (vtkIdType cell = 0; cell < given->GetNumberOfCells(); ++cell)
+      if (EventOf(inside.geometry, events, onCells != nullptr, cell) > options.untilEvent)
+        inside.geometry->DeleteCell(cell);
+    inside.geometry->RemoveDeletedCells();
+  }
+  inside.bar = Describe(FindQuantity(given, { 0, 0, 0 }, byEvent), options).bar;
+  if (inside.geometry->GetNumberOfCells() > 0)
+    inside.field = FindQuantity(inside.geometry, { 0, 0, 0 }, byEvent);
+  else
+    inside.geometry = nullptr;
+  return inside;
 }
 
 } // namespace
@@ -152,7 +194,9 @@ std::optional<Quantity> FieldInside(vtkPolyData* geometry, const SnapshotOptions
 Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
 {
   VoxelBlock block = Block(image);
-  const Quantity field = FindQuantity(image, block.size, options);
+  Quantity field = FindQuantity(image, block.size, options);
+  if (options.onlyRange)
+    field.hasUndefined = false; // is not drawn
   const View view(Bounds(block), options.azimuth, options.elevation);
 
   VoxelLight light;
@@ -182,12 +226,11 @@ Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
   Furniture furniture = Describe(field, options);
   if (field.IsCategorical())
     std::erase_if(furniture.legend, [&](const LegendEntry& entry) { return IsVoidName(entry.text); });
-  vtkPolyData* const inside = field.IsCategorical() ? options.overlayLines : nullptr;
-  std::optional<Quantity> insideField;
-  if (inside)
-    insideField = FieldInside(inside, options);
-  if (insideField)
-    furniture.bar = Describe(*insideField, options).bar;
+  Inside inside;
+  if (field.IsCategorical() && options.overlayLines)
+    inside = FindInside(options.overlayLines, options);
+  if (inside.bar)
+    furniture.bar = inside.bar;
   const Layout layout = ArrangeOrThrow(furniture, view.Width(), view.Height(), false, options);
   const Color background = BackgroundColor(options);
   const Color ink = InkOn(background);
@@ -203,9 +246,9 @@ Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
   actor->GetProperty()->LightingOff();
   vtkNew<vtkRenderer> renderer;
   renderer->AddActor(actor);
-  if (inside)
-    renderer->AddActor(
-      GeometryActor(inside, insideField, false, InsideColor, std::max(1.5, 0.11 * layout.font), layout.scale));
+  if (inside.geometry)
+    renderer->AddActor(GeometryActor(
+      inside.geometry, inside.field, false, InsideColor, std::max(1.5, 0.11 * layout.font), layout.scale));
   const auto edges = Edges(block, view.Towards(), !field.IsCategorical() && !options.onlyRange, ink);
   edges->GetProperty()->SetLineWidth(static_cast<float>(2 * layout.Rule())); // drawn at twice the size
   renderer->AddActor(edges);

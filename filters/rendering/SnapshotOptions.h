@@ -38,6 +38,7 @@ struct SnapshotOptions
   double elevation = 30;
   double opacity = 1;
   bool onlyRange = false;
+  int untilEvent = 0;
 };
 
 } // namespace lamella::rendering

@@ -257,6 +257,7 @@ vtkImageData* vtkSnapshot::Draw()
   options.elevation = this->Elevation;
   options.opacity = this->Opacity;
   options.onlyRange = this->OnlyRange;
+  options.untilEvent = this->UntilEvent;
   try
   {
     lamella::checkSettings(this);

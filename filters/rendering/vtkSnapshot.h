@@ -299,6 +299,13 @@ public:
   vtkSwitchMacro(OnlyRange, false);
 
   /**
+   * Volumes: of cracks or broken bonds inside only those up to this event: one picture of a film. 0: all.
+   * @group Drawing
+   * @range [0, inf]
+   */
+  vtkSettingMacro(UntilEvent, int, 0);
+
+  /**
    * Volumes: opacity of the surface of the preset phase. Make it small where lines or cracks inside are to be seen.
    * @group Page
    * @range [0, 1]

@@ -146,7 +146,7 @@ TEST_F(SnapshotSpace, ASurfaceInsideATranslucentSolid)
       points->InsertNextPoint(b[static_cast<std::size_t>(k)], b[static_cast<std::size_t>(2 + j)], (b[4] + b[5]) / 2);
   cells->InsertNextCell({ 0, 1, 2 });
   cells->InsertNextCell({ 1, 2, 3 });
-  events->InsertNextValue(0);
+  events->InsertNextValue(1);
   events->InsertNextValue(100);
   vtkNew<vtkPolyData> crack;
   crack->SetPoints(points);
@@ -164,6 +164,12 @@ TEST_F(SnapshotSpace, ASurfaceInsideATranslucentSolid)
   vtkImageData* colored = this->draw(sample);
   ASSERT_NE(colored, nullptr);
   EXPECT_GT(pixels::difference(plain, colored, this->data(), 10), 0.2);
+  this->Snapshot->SetUntilEvent(50); // the first triangle
+  vtkNew<vtkImageData> first;
+  first->DeepCopy(this->draw(sample));
+  EXPECT_GT(pixels::difference(without, first, this->data(), 10), 0.1);
+  EXPECT_GT(pixels::difference(plain, first, this->data(), 10), 0.1);
+  this->Snapshot->SetUntilEvent(0);
   const int alone = this->data().width;
   this->Snapshot->SetShowLegend(true);
   ASSERT_NE(this->draw(sample), nullptr);
