@@ -212,18 +212,19 @@ PartFile& PartFile::operator=(PartFile&& other) noexcept
   return *this;
 }
 
-int PartFile::write(std::span<const std::byte> bytes) const
+int PartFile::write(std::initializer_list<std::span<const std::byte>> parts) const
 {
   const int file = ::open(path_.c_str(), O_NOFOLLOW | O_WRONLY | O_TRUNC | O_CLOEXEC);
   int error = file < 0 ? errno : 0;
-  while (error == 0 && !bytes.empty())
-  {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written > 0)
-      bytes = bytes.subspan(static_cast<std::size_t>(written));
-    else if (written == 0 || errno != EINTR)
-      error = written == 0 ? ENOSPC : errno;
-  }
+  for (std::span<const std::byte> bytes : parts)
+    while (error == 0 && !bytes.empty())
+    {
+      const ssize_t written = ::write(file, bytes.data(), bytes.size());
+      if (written > 0)
+        bytes = bytes.subspan(static_cast<std::size_t>(written));
+      else if (written == 0 || errno != EINTR)
+        error = written == 0 ? ENOSPC : errno;
+    }
   if (file >= 0 && ::close(file) != 0 && error == 0)
     error = errno;
   return error;

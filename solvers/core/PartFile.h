@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <initializer_list>
 #include <span>
 
 namespace lamella
@@ -41,7 +42,9 @@ public:
   [[nodiscard]] const std::filesystem::path& path() const noexcept { return path_; }
 
   /// Writes all of the file. @returns 0, or the number of what stood in the way, as in errno
-  [[nodiscard]] int write(std::span<const std::byte> bytes) const;
+  [[nodiscard]] int write(std::span<const std::byte> bytes) const { return write({ bytes }); }
+  /// The same of parts that follow each other.
+  [[nodiscard]] int write(std::initializer_list<std::span<const std::byte>> parts) const;
 
   /// What has the name already.
   enum class Existing

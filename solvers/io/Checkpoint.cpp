@@ -1,6 +1,7 @@
 #include "io/Checkpoint.h"
 
 #include "core/Error.h"
+#include "core/PartFile.h"
 #include "io/Hdf5.h"
 #include "io/Provenance.h"
 #include "io/Survives.h"
@@ -13,6 +14,8 @@
 #include <cmath>
 #include <cstring>
 #include <exception>
+#include <system_error>
+#include <utility>
 
 namespace lamella::io
 {
@@ -116,11 +119,10 @@ Handle openImage(std::span<const std::byte> image)
   return { H5Fopen("checkpoint", H5F_ACC_RDONLY, access), H5Fclose };
 }
 
-/// @param before bytes to leave free before it
-std::vector<std::byte> encodeContent(const Checkpoint& checkpoint, std::size_t before)
+/// A checkpoint as a file in memory; its arrays are given away, one after the other.
+Handle encoded(Checkpoint checkpoint)
 {
-  const Quiet quiet;
-  const Handle file = openImage({});
+  Handle file = openImage({});
   writeText(file, "format", fmt::format("lamella checkpoint {}", format));
   writeText(file, "kind", checkpoint.kind);
   writeLongText(file, "scene", checkpoint.scene);
@@ -135,15 +137,24 @@ std::vector<std::byte> encodeContent(const Checkpoint& checkpoint, std::size_t b
       good(H5Awrite(attribute, H5T_NATIVE_DOUBLE, &value));
     }
     const Handle arrays(H5Gcreate2(file, "arrays", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Gclose);
-    for (const auto& [name, array] : checkpoint.arrays)
+    for (auto& [name, array] : checkpoint.arrays)
+    {
       writeArray(arrays, name, array);
+      array = {};
+    }
   }
   good(H5Fflush(file, H5F_SCOPE_GLOBAL));
+  return file;
+}
+
+/// The bytes of a file in memory, where they are.
+std::span<const std::byte> bytesOf(const Handle& file)
+{
   const ssize_t size = H5Fget_file_image(file, nullptr, 0);
-  good(size > 0 ? 0 : -1);
-  std::vector<std::byte> image(before + static_cast<std::size_t>(size));
-  good(H5Fget_file_image(file, image.data() + before, static_cast<std::size_t>(size)) == size ? 0 : -1);
-  return image;
+  const Handle access(H5Fget_access_plist(file), H5Pclose);
+  void* place = nullptr;
+  good(size > 0 && H5Fget_vfd_handle(file, access, &place) >= 0 && place != nullptr ? 0 : -1);
+  return { *static_cast<const std::byte* const*>(place), static_cast<std::size_t>(size) }; // the core driver's
 }
 
 Checkpoint decodeContent(std::span<const std::byte> image)
@@ -278,14 +289,23 @@ const std::vector<std::int64_t>& Checkpoint::integers(const std::string& name) c
   return valuesOf<std::vector<std::int64_t>>(*this, name);
 }
 
-std::vector<std::byte> encode(const Checkpoint& checkpoint)
+void replaceFile(const std::filesystem::path& path, Checkpoint checkpoint)
 {
-  std::vector<std::byte> bytes = encodeContent(checkpoint, headerBytes);
-  const std::span<const std::byte> content = std::span(bytes).subspan(headerBytes);
-  const std::string header = fmt::format("{}format {}\nwritten-by {}\nbytes {}\nsha256 {}\nHDF5 from byte {}\n", magic,
+  const Quiet quiet;
+  const Handle file = encoded(std::move(checkpoint));
+  const std::span<const std::byte> content = bytesOf(file);
+  std::string header = fmt::format("{}format {}\nwritten-by {}\nbytes {}\nsha256 {}\nHDF5 from byte {}\n", magic,
     format, program(), content.size(), hashOf(content), headerBytes);
-  std::memcpy(bytes.data(), header.data(), std::min(header.size(), headerBytes));
-  return bytes;
+  header.resize(headerBytes, '\0');
+  PartFile part(path, PartFile::OnSignal::stays);
+  int error = part.error();
+  if (error == 0)
+    error = part.write({ std::as_bytes(std::span(header)), content });
+  if (error == 0)
+    error = part.take(path);
+  if (error != 0)
+    throw Error(fmt::format("cannot write '{}': {}", path.string(), std::generic_category().message(error)),
+      "make room on the disk, or write to another one");
 }
 
 Checkpoint decode(std::span<const std::byte> bytes, std::string_view name)

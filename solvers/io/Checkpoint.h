@@ -44,8 +44,11 @@ struct Checkpoint
   [[nodiscard]] const std::vector<std::int64_t>& integers(const std::string& name) const;
 };
 
-/// The bytes of a file. @throws Error when HDF5 fails
-[[nodiscard]] std::vector<std::byte> encode(const Checkpoint& checkpoint);
+/// Puts a checkpoint in the place of a file: it is written to a file beside it (core/PartFile.h) and brought to the
+/// disk, and then that takes the name. Whatever happens the name stands for the old file or the new one, whole.
+/// @param checkpoint given away: its arrays go as the file is put together in memory, so that there is one copy of all
+/// @throws Error: HDF5 fails; the disk is full, or another reason; the old file is as it was
+void replaceFile(const std::filesystem::path& path, Checkpoint checkpoint);
 
 /// @param name of the file, for messages
 /// @throws InputError: not a checkpoint, cut off, damaged, newer than this program
@@ -63,10 +66,5 @@ void checkPlace(const std::filesystem::path& path);
 
 /// Do two names stand for one file, whether it is there or not?
 [[nodiscard]] bool sameFile(const std::filesystem::path& a, const std::filesystem::path& b);
-
-/// Puts bytes in the place of a file: they are written to a file beside it (core/PartFile.h) and brought to the
-/// disk, and then that takes the name. Whatever happens the name stands for the old file or the new one, whole.
-/// @throws Error: the disk is full, or another reason; the old file is as it was
-void replaceFile(const std::filesystem::path& path, std::span<const std::byte> bytes);
 
 } // namespace lamella::io

@@ -69,17 +69,4 @@ bool sameFile(const fs::path& a, const fs::path& b)
     fs::weakly_canonical(fs::absolute(b, ignored), ignored);
 }
 
-void replaceFile(const fs::path& path, std::span<const std::byte> bytes)
-{
-  PartFile part(path, PartFile::OnSignal::stays);
-  int error = part.error();
-  if (error == 0)
-    error = part.write(bytes);
-  if (error == 0)
-    error = part.take(path);
-  if (error != 0)
-    throw Error(fmt::format("cannot write '{}': {}", path.string(), reason(error)),
-      "make room on the disk, or write to another one");
-}
-
 } // namespace lamella::io

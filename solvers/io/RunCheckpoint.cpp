@@ -8,6 +8,7 @@
 
 #include <cstddef>
 #include <new>
+#include <utility>
 #include <vector>
 
 namespace lamella::io
@@ -49,13 +50,13 @@ bool roomFor(std::uint64_t bytes, const CheckpointOptions& options, const Commun
   return !comm.any(missing);
 }
 
-bool write(const Checkpoint& checkpoint, const CheckpointOptions& options, const Communicator& comm)
+bool write(Checkpoint checkpoint, const CheckpointOptions& options, const Communicator& comm)
 {
   bool failed = false;
   if (comm.rank() == 0)
     try
     {
-      replaceFile(options.path, encode(checkpoint));
+      replaceFile(options.path, std::move(checkpoint));
     }
     catch (const Error& e)
     {

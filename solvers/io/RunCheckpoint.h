@@ -29,8 +29,9 @@ struct CheckpointOptions
 [[nodiscard]] bool roomFor(std::uint64_t bytes, const CheckpointOptions& options, const Communicator& comm);
 
 /// Writes on rank 0; says there, by CheckpointOptions::warn, what stands in the way. Collective.
+/// @param checkpoint given away
 /// @return whether it was written
-bool write(const Checkpoint& checkpoint, const CheckpointOptions& options, const Communicator& comm);
+bool write(Checkpoint checkpoint, const CheckpointOptions& options, const Communicator& comm);
 /// Read by rank 0 for all. @throws InputError on all ranks alike: see decode(), expectScene()
 [[nodiscard]] Checkpoint readCheckpoint(
   const std::filesystem::path& path, const std::string& kind, const std::string& scene, const Communicator& comm);

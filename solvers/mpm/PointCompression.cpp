@@ -577,7 +577,7 @@ void PointCompression<Dim>::save()
       options_.checkpoint.warn(why);
   };
   pace_.written();
-  if (io::write(c, place, options_.motion.comm))
+  if (io::write(std::move(c), place, options_.motion.comm))
   {
     ++checkpoints_;
     writtenAt_ = body_->steps();

@@ -29,7 +29,7 @@ TEST(Checkpoint, KeepsNumbersAndIsHdf5)
   c.arrays["u"] = { { 1, 3 }, std::vector<double>{ 0.1, -0.0, 1e300 }, "m", "displacement" };
   c.arrays["n"] = { { 2 }, std::vector<std::int64_t>{ -1, std::int64_t{ 1 } << 60 }, "", "" };
   const fs::path file = folder / "c.h5";
-  io::replaceFile(file, io::encode(c));
+  io::replaceFile(file, c);
   const io::Checkpoint back = io::decode(io::readBytes(file), "c.h5");
   EXPECT_EQ(back.kind, c.kind);
   EXPECT_EQ(back.scene, c.scene);

@@ -139,9 +139,9 @@ void LatticeBoltzmann::save()
   Impl& m = *impl_;
   m.savedAt = m.steps;
   m.pace.written();
-  // The populations, the same as gathered, in the file's image and in its bytes.
+  // The populations as gathered, which go one by one as the file is put together.
   if (!io::roomFor(static_cast<std::uint64_t>(m.lattice.count()) *
-          static_cast<std::uint64_t>(3 * m.velocities.count() + 2) * sizeof(double),
+          static_cast<std::uint64_t>(m.velocities.count() + 4) * sizeof(double),
         m.options.checkpoint, m.comm))
     return;
   io::Checkpoint c;
@@ -182,7 +182,7 @@ void LatticeBoltzmann::save()
     c.arrays["records"] = { { static_cast<std::int64_t>(m.records.size()), recordNumbers }, std::move(numbers), "SI",
       "by stop: steps, time, flux through the low and the high face, mean value" };
   }
-  if (io::write(c, m.options.checkpoint, m.comm))
+  if (io::write(std::move(c), m.options.checkpoint, m.comm))
   {
     ++m.checkpoints;
     m.lastCheckpoint = m.steps;

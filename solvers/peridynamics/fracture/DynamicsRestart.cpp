@@ -84,7 +84,7 @@ void BondDynamics::save()
   if (options_.keepWith)
     options_.keepWith(c);
   pace_.written();
-  if (write(c, options_.checkpoint, comm))
+  if (write(std::move(c), options_.checkpoint, comm))
   {
     ++checkpoints_;
     checkpointAt_ = step_;

@@ -233,7 +233,7 @@ void QuasiStaticFracture::save()
   if (options_.keepWith)
     options_.keepWith(c);
   pace_.written();
-  if (write(c, options_.checkpoint, bonds_.communicator()))
+  if (write(std::move(c), options_.checkpoint, bonds_.communicator()))
   {
     ++record_.statistics.checkpoints;
     writtenAt_ = savedAt_;
