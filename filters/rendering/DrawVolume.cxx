@@ -197,6 +197,12 @@ Drawing DrawVolume(vtkImageData* image, const SnapshotOptions& options)
   Quantity field = FindQuantity(image, block.size, options);
   if (options.onlyRange)
     field.hasUndefined = false; // is not drawn
+  if (options.onlyRange && field.IsCategorical())
+    throw InputError("only voxels in a range are asked for, of phases or grains, which have none",
+      "draw an array of numbers, or leave the range out");
+  if (options.untilEvent > 0 && !(field.IsCategorical() && options.overlayLines))
+    throw InputError("an event to draw until is given, and nothing inside phases that is drawn by event",
+      "give cracks or broken bonds as lines, and draw phases");
   const View view(Bounds(block), options.azimuth, options.elevation);
 
   VoxelLight light;

@@ -130,6 +130,11 @@ TEST_F(SnapshotSpace, OnlyTheRange)
   EXPECT_LT(upper, 0.85 * whole);
   EXPECT_GT(upper, 0.3 * whole);
   EXPECT_LT(inked(1.5, 2), 0.05) << "nothing but the edges of the box";
+  this->Snapshot->SetPreset(vtkSnapshot::PHASE);
+  EXPECT_EQ(this->Snapshot->Draw(), nullptr) << "phases have no range";
+  this->Snapshot->OnlyRangeOff();
+  this->Snapshot->SetUntilEvent(5);
+  EXPECT_EQ(this->Snapshot->Draw(), nullptr) << "there is nothing inside";
 }
 
 TEST_F(SnapshotSpace, ASurfaceInsideATranslucentSolid)
