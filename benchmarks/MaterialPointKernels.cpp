@@ -110,7 +110,9 @@ int main(int argc, char** argv)
       {
         for (const Precision precision : { Precision::Double, Precision::Single })
           inSpace("orthotropic", wood<3>(), porous, precision);
-        inSpace("isotropic", makeLaw<3, Isotropic>({ isotropicConstants<3>(IsotropicMaterial{}) }), porous);
+        for (const Precision precision : { Precision::Double, Precision::Single })
+          inSpace(
+            "isotropic", makeLaw<3, Isotropic>({ isotropicConstants<3>(IsotropicMaterial{}) }), porous, precision);
         inSpace("neo-Hookean", makeLaw<3, NeoHookean>({ { young / 2, young / 3 } }), porous);
       }
     });

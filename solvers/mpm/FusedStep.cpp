@@ -15,9 +15,11 @@ namespace lamella::mpm
 namespace
 {
 
-constexpr int stripeRows = 8; // more than twice what a stray may be off, and the three rows of a spline
+constexpr int tileRows = 8; // more than twice what a stray may be off, and the three rows of a spline
 constexpr std::size_t worthThreads = 2000;
-constexpr double sortAt = 0.02;           // share of strays
+/// Share of strays at which points are sorted: one costs as much as some ten others in a plane, thirty in space.
+template <int Dim>
+constexpr double sortAt = Dim == 3 ? 0.005 : 0.02;
 constexpr std::int64_t cellsAtOnce = 256; // whose points' C is found together
 constexpr std::size_t clearedAtOnce = 4096;
 
@@ -27,6 +29,25 @@ constexpr std::size_t clearedAtOnce = 4096;
 double roomAt(const GridAxis& g, int side)
 {
   return g.end(side) != Edge::Open ? -0.25 : g.isCut(side) ? 0 : 2;
+}
+
+/// How the rows of a grid's cells are shared out.
+struct Tiles
+{
+  std::int64_t rows;   ///< of a tile
+  std::int64_t along;  ///< side by side along y
+  std::int64_t layers; ///< one after the other along z
+  [[nodiscard]] std::int64_t count() const { return along * layers; }
+};
+
+template <int Dim>
+Tiles tilesOf(const BackgroundGrid<Dim>& grid)
+{
+  const auto across = [&](int a) { return std::int64_t{ grid.axis(a).cells } / tileRows + 1; }; // of cells + 1 bases
+  if constexpr (Dim == 2)
+    return { tileRows, across(1), 1 };
+  else
+    return { std::int64_t{ tileRows } * tileRows, across(1), across(2) };
 }
 
 } // namespace
@@ -135,6 +156,20 @@ void FusedStep<Dim>::change(double keep, int axis, double rate, double still)
 }
 
 template <int Dim>
+void FusedStep<Dim>::throwOutside(const BackgroundGrid<Dim>& grid, std::size_t p) const
+{
+  for (int a = 0; a < Dim; ++a)
+  {
+    const GridAxis& g = grid.axis(a);
+    const double x = points_.column(a)[p];
+    if (!(std::floor(g.coordinate(x) - 0.5) >= -1 && g.coordinate(x) - 0.5 < g.cells))
+      throw DivergenceError(fmt::format("a point at {} m along axis {} is outside the grid, which goes from {} to {} m",
+                              x, a, g.lower, g.upper()),
+        "take a smaller step or slower walls");
+  }
+}
+
+template <int Dim>
 void FusedStep<Dim>::sort(const BackgroundGrid<Dim>& grid)
 {
   const std::size_t count = points_.count();
@@ -142,42 +177,54 @@ void FusedStep<Dim>::sort(const BackgroundGrid<Dim>& grid)
   for (int a = 0; a < Dim; ++a)
     bases[static_cast<std::size_t>(a)] = grid.axis(a).cells + 1;
   std::vector<std::uint32_t> cellOf(count);
-  const std::int64_t each = bases[0] * bases[1] * bases[2]; // cells of a body
+  const Tiles tiles = tilesOf(grid);
+  const std::int64_t perTile = tiles.rows * bases[0];
+  const std::int64_t each = tiles.count() * perTile; // cells of a body, tile by tile, whose last may be beyond the grid
   std::vector<std::uint32_t> first(static_cast<std::size_t>(bodies_.count * each) + 1);
+  std::size_t outside = count; // the first one outside the grid
+#pragma omp parallel for schedule(static) reduction(min : outside) if (count > worthThreads)
   for (std::size_t p = 0; p < count; ++p)
   {
-    auto cell = static_cast<std::int64_t>(bodies_.of(points_.phase()[p]));
-    for (int a = Dim - 1; a >= 0; --a)
+    std::array<std::int64_t, 3> at{};
+    for (int a = 0; a < Dim; ++a)
     {
+      const auto axis = static_cast<std::size_t>(a);
       const double base = std::floor(grid.axis(a).coordinate(points_.column(a)[p]) - 0.5) + 1;
-      if (!(base >= 0 && base < static_cast<double>(bases[static_cast<std::size_t>(a)])))
-        throw DivergenceError(
-          fmt::format("a point at {} m along axis {} is outside the grid, which goes from {} to {} m",
-            points_.column(a)[p], a, grid.axis(a).lower, grid.axis(a).upper()),
-          "take a smaller step or slower walls");
-      cell = cell * bases[static_cast<std::size_t>(a)] + static_cast<std::int64_t>(base);
+      if (base >= 0 && base < static_cast<double>(bases[axis]))
+        at[axis] = static_cast<std::int64_t>(base);
+      else
+        outside = std::min(outside, p);
     }
-    cellOf[p] = static_cast<std::uint32_t>(cell);
-    ++first[static_cast<std::size_t>(cell) + 1];
+    const auto body = static_cast<std::int64_t>(bodies_.of(points_.phase()[p]));
+    const std::int64_t tile = at[2] / tileRows * tiles.along + at[1] / tileRows;
+    const std::int64_t row = at[2] % tileRows * tileRows + at[1] % tileRows;
+    cellOf[p] = static_cast<std::uint32_t>(body * each + tile * perTile + row * bases[0] + at[0]);
   }
+  if (outside < count)
+    throwOutside(grid, outside);
+  for (const std::uint32_t cell : cellOf)
+    ++first[cell + 1U];
   cells_.clear();
-  stripes_.assign(1, 0);
-  const std::int64_t perLayer = bases[0] * (Dim == 3 ? bases[1] : 1);
+  tiles_.assign(1, 0);
   for (std::size_t c = 0; c + 1 < first.size(); ++c)
   {
-    auto rest = static_cast<std::int64_t>(c) % each;
-    if (c > 0 && rest % (perLayer * stripeRows) == 0)
-      stripes_.push_back(static_cast<std::int64_t>(cells_.size()));
+    const auto number = static_cast<std::int64_t>(c);
+    if (c > 0 && number % perTile == 0)
+      tiles_.push_back(static_cast<std::int64_t>(cells_.size()));
     const std::uint32_t inside = first[c + 1];
     first[c + 1] += first[c];
     if (inside == 0)
       continue;
+    const std::int64_t tile = number % each / perTile;
+    const std::int64_t row = number % perTile / bases[0];
+    const std::array<std::int64_t, 3> at{ number % bases[0], tile % tiles.along * tileRows + row % tileRows,
+      tile / tiles.along * tileRows + row / tileRows };
     PointCell cell{ {}, first[c] };
-    for (int a = 0; a < Dim; rest /= bases[static_cast<std::size_t>(a)], ++a)
-      cell.base[a] = static_cast<std::int32_t>(rest % bases[static_cast<std::size_t>(a)]) - 1;
+    for (int a = 0; a < Dim; ++a)
+      cell.base[a] = static_cast<std::int32_t>(at[static_cast<std::size_t>(a)]) - 1;
     cells_.push_back(cell);
   }
-  stripes_.push_back(static_cast<std::int64_t>(cells_.size()));
+  tiles_.push_back(static_cast<std::int64_t>(cells_.size()));
   cells_.push_back({ {}, static_cast<std::uint32_t>(count) });
 
   std::vector<std::uint32_t> order(count);
@@ -313,33 +360,45 @@ template <int Dim>
 void FusedStep<Dim>::sweep(const PointSweep& job, const BackgroundGrid<Dim>& to, bool whole)
 {
   const SweepCells kernel = pointKernels().sweep[single_ ? 1 : 0][Dim - 2][static_cast<int>(kind_)][whole ? 1 : 0];
-  const auto stripes = static_cast<std::int64_t>(stripes_.size()) - 1;
-  const bool worthIt = points_.count() > worthThreads;
-  std::int64_t strays = 0;
-  bool far = false;
-  bool outside = false;
-  double fastest = 0;
-  for (std::int64_t colour = 0; colour < 2; ++colour)
-#pragma omp parallel for schedule(dynamic, 1) if (worthIt) reduction(+ : strays) reduction(|| : far, outside)          \
-  reduction(max : fastest)
-    for (std::int64_t s = colour; s < stripes; s += 2)
+  const std::size_t tiles = tiles_.size() - 1;
+  const std::int64_t along = tilesOf(to).along;
+  const std::size_t each = tiles / static_cast<std::size_t>(bodies_.count);
+  std::array<std::vector<std::size_t>, 4> byColour; // those with points
+  for (std::size_t t = 0; t < tiles; ++t)
+    if (tiles_[t] < tiles_[t + 1])
     {
-      PointSweep mine = job;
-      const std::int64_t body = s * bodies_.count / stripes;
-      mine.velocity += body * to.count() * nodeValues;
-      mine.momentum += body * to.count() * nodeValues;
-      const std::int64_t first = stripes_[static_cast<std::size_t>(s)];
-      const std::int64_t last = stripes_[static_cast<std::size_t>(s) + 1];
-      if (whole)
-        kernel(mine, first, last);
-      else
-        giveCells(kernel, mine, first, last);
-      strays += mine.strays;
-      far = far || mine.far;
-      outside = outside || mine.outside;
-      fastest = std::max(fastest, mine.fastest);
+      const auto in = static_cast<std::int64_t>(t % each);
+      byColour[static_cast<std::size_t>(in / along % 2 * 2 + in % along % 2)].push_back(t);
     }
-  seen_ = { strays, far, outside };
+  std::vector<PointSweep> sweeps(tiles, job);
+  const bool worthIt = points_.count() > worthThreads;
+  for (const std::vector<std::size_t>& turn : byColour)
+#pragma omp parallel for schedule(dynamic, 1) if (worthIt)
+    for (std::size_t i = 0; i < turn.size(); ++i)
+    {
+      const std::size_t t = turn[i];
+      PointSweep& mine = sweeps[t];
+      const std::int64_t offset = static_cast<std::int64_t>(t / each) * to.count() * nodeValues;
+      mine.velocity += offset;
+      mine.momentum += offset;
+      if (whole)
+        kernel(mine, tiles_[t], tiles_[t + 1]);
+      else
+        giveCells(kernel, mine, tiles_[t], tiles_[t + 1]);
+    }
+  seen_ = {};
+  looked_ = {};
+  double fastest = 0;
+  for (const PointSweep& s : sweeps)
+  {
+    seen_.strays += s.strays;
+    seen_.far = seen_.far || s.far;
+    seen_.outside = seen_.outside || s.outside;
+    fastest = std::max(fastest, s.fastest);
+    looked_.kinetic += s.kinetic;
+    looked_.elastic += s.elastic;
+    looked_.stiffest = std::max(looked_.stiffest, s.stiffest);
+  }
   if (whole)
     fastest_ = job.keep ? fastest : -1;
 }
@@ -350,7 +409,8 @@ void FusedStep<Dim>::settle(const BackgroundGrid<Dim>& to, double kick, bool who
   leaving_ = false;
   lost_ = false;
   bool outside = seen_.outside;
-  const bool astray = seen_.far || static_cast<double>(seen_.strays) > sortAt * static_cast<double>(points_.count());
+  const bool astray =
+    seen_.far || static_cast<double>(seen_.strays) > sortAt<Dim> * static_cast<double>(points_.count());
   if (single_ && whole && (keep || outside || astray))
     unpack(to);
   bool cut = false;
@@ -410,8 +470,8 @@ void FusedStep<Dim>::adjust(double kick)
 }
 
 template <int Dim>
-void FusedStep<Dim>::run(
-  const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool keep)
+bool FusedStep<Dim>::run(
+  const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool keep, Look look)
 {
   points_.setAffines({}); // from here on the nodes' velocities tell it
   aside_.clear();
@@ -426,11 +486,14 @@ void FusedStep<Dim>::run(
   }
   PointSweep job = jobOf(from, to, dt, kick);
   job.keep = keep;
+  job.look = look != Look::No && !single_; // whose sums are too coarse
+  job.sums = look == Look::Sums;
   job.momentum = next_.data();
   sweep(job, to, true);
   nodes_.swap(next_);
   past_.set(from, dt);
   settle(to, kick, true, keep);
+  return job.look;
 }
 
 template <int Dim>
@@ -455,8 +518,8 @@ void FusedStep<Dim>::keep(io::Checkpoint& checkpoint) const
   }
   checkpoint.arrays["point cells"] = { { static_cast<std::int64_t>(cells_.size()), Dim + 1 }, std::move(cells), "",
     "first node of each cell along each axis, and its first point; one more behind the last" };
-  checkpoint.arrays["stripes"] = { { static_cast<std::int64_t>(stripes_.size()) }, stripes_, "",
-    "first cell of each stripe of rows" };
+  checkpoint.arrays["stripes"] = { { static_cast<std::int64_t>(tiles_.size()) }, tiles_, "",
+    "first cell of each tile of rows" };
   checkpoint.arrays["nodes"] = { { static_cast<std::int64_t>(nodes_.size()) / nodeValues, nodeValues }, nodes_, "SI",
     "mass and momentum of each node, as the points gave them" };
   checkpoint.numbers["kick"] = kick_;
@@ -475,12 +538,11 @@ void FusedStep<Dim>::takeBack(const io::Checkpoint& checkpoint, const Background
   if (single_ || !checkpoint.arrays.contains("nodes"))
     return;
   const std::vector<std::int64_t>& cells = checkpoint.integers("point cells");
-  const std::vector<std::int64_t>& stripes = checkpoint.integers("stripes");
+  const std::vector<std::int64_t>& tiles = checkpoint.integers("stripes");
   const std::vector<double>& nodes = checkpoint.reals("nodes");
   const auto count = static_cast<std::int64_t>(cells.size()) / (Dim + 1) - 1; // of cells
   bool fits = count >= 1 && static_cast<std::int64_t>(nodes.size()) == bodies_.count * grid.count() * nodeValues &&
-    static_cast<int>(stripes.size()) % bodies_.count == 1 % bodies_.count && stripes.size() >= 2 &&
-    stripes.front() == 0 && stripes.back() == count && std::is_sorted(stripes.begin(), stripes.end()) &&
+    tiles.size() >= 2 && tiles.front() == 0 && tiles.back() == count && std::is_sorted(tiles.begin(), tiles.end()) &&
     cells[Dim] == 0 && cells.back() == static_cast<std::int64_t>(points_.count());
   for (std::int64_t c = 0; fits && c < count; ++c)
   {
@@ -499,13 +561,19 @@ void FusedStep<Dim>::takeBack(const io::Checkpoint& checkpoint, const Background
       cells_[c].base[a] = static_cast<std::int32_t>(cell[a]);
     cells_[c].begin = static_cast<std::uint32_t>(cell[Dim]);
   }
-  stripes_ = stripes;
+  tiles_ = tiles;
   nodes_ = nodes;
   kick_ = checkpoint.number("kick");
   grid_ = grid;
   held_ = true;
-  if (!checkpoint.arrays.contains("past nodes")) // earlier versions had none: the points have C
+  const auto expected = static_cast<std::size_t>(bodies_.count * tilesOf(grid).count()) + 1;
+  const bool laid = tiles.size() == expected;    // earlier versions had tiles as wide as the grid
+  if (!checkpoint.arrays.contains("past nodes")) // or none of these: the points have C
+  {
+    if (!laid)
+      sort(grid);
     return;
+  }
   const std::vector<double>& past = checkpoint.reals("past nodes");
   checkpoint.expectFinite("past nodes");
   checkpoint.expectFinite("past grid");
@@ -515,6 +583,8 @@ void FusedStep<Dim>::takeBack(const io::Checkpoint& checkpoint, const Background
     throw InputError("the checkpoint's velocities are not those of its grid", "start the run anew");
   next_ = past;
   points_.setAffines({});
+  if (!laid)
+    sort(grid);
 }
 
 template class FusedStep<2>;

@@ -18,11 +18,19 @@
 namespace lamella::mpm
 {
 
+/// What a step finds besides of the points that it moves.
+enum class Look : std::uint8_t
+{
+  No,
+  Stiffness, ///< what the next steps' length is chosen by
+  Sums       ///< and the energies
+};
+
 /// The fast path of PointDynamics: points sorted by cell, one pass a step from grid to points to the next grid, by the
-/// kernels of PointKernels.h. Rows of cells (layers in 3D) are shared out in stripes of eight, every other one at a
-/// time, so that no two threads add to a node and the order of every sum is the same whatever their number. Bodies that
-/// are not joined follow each other: each has cells, stripes and nodes of its own. The points' affine velocities are
-/// not stored after a step: they are had from the grid that it began with.
+/// kernels of PointKernels.h. Rows of cells are shared out in tiles, of eight rows in a plane and of eight by eight in
+/// space, every other one along each axis at a time, so that no two threads add to a node and the order of every sum is
+/// the same whatever their number. Bodies that are not joined follow each other: each has cells, tiles and nodes of its
+/// own. The points' affine velocities are not stored after a step: they are had from the grid that it began with.
 template <int Dim>
 class FusedStep
 {
@@ -69,13 +77,25 @@ public:
   /// Moves the points by the velocities on the nodes, and gives to the next grid, which has as many nodes.
   /// @param keep whether the points get their velocities, which cost memory traffic and are needed only where they are
   /// looked at or given to a grid anew
-  void run(const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool keep);
+  /// @param look what to find of looked() @return whether it was, which single precision is too coarse for
+  bool run(
+    const BackgroundGrid<Dim>& from, const BackgroundGrid<Dim>& to, double dt, double kick, bool keep, Look look);
+  /// Of this rank's points after a step.
+  struct Looked
+  {
+    double kinetic = 0;  ///< energy, of the velocities half a step ago [J], [J/m] in 2D
+    double elastic = 0;  ///< energy
+    double stiffest = 0; ///< greatest stiffness over density [m²/s²]; infinite where one is not finite
+  };
+  [[nodiscard]] const Looked& looked() const noexcept { return looked_; }
 
 private:
   /// Of points that are outside of a rank's part of the grid: beyond its ends, across its cuts, or out of reach?
   /// @return whether the nodes are to be given to anew
   bool beyondEnds(const BackgroundGrid<Dim>& grid, bool kept);
   void sort(const BackgroundGrid<Dim>& grid);
+  /// @throws DivergenceError: this point is outside
+  void throwOutside(const BackgroundGrid<Dim>& grid, std::size_t p) const;
   /// State in single precision from the points, which lie in their cells, and back.
   void pack(const BackgroundGrid<Dim>& grid);
   void unpack(const BackgroundGrid<Dim>& grid);
@@ -85,7 +105,7 @@ private:
   void sweep(const PointSweep& job, const BackgroundGrid<Dim>& to, bool whole);
   /// Goes by what a sweep has seen: notes points that are outside, sorts those that are astray.
   void settle(const BackgroundGrid<Dim>& to, double kick, bool whole, bool keep);
-  /// Cells of a stripe, whose points' C is found first.
+  /// Cells of a tile, whose points' C is found first.
   void giveCells(SweepCells kernel, PointSweep& job, std::int64_t first, std::int64_t last) const;
 
   MaterialPoints<Dim>& points_;
@@ -97,9 +117,9 @@ private:
   bool single_;
   double massScale_ = 1; ///< of the state in single precision [kg]
   std::vector<float, AlignedAllocator<float>>
-    state_;                           ///< by the columns of StateColumns, each as long as those of the points
-  std::vector<PointCell> cells_;      ///< and one behind the last
-  std::vector<std::int64_t> stripes_; ///< first cell of each, and one behind the last; of each body as many
+    state_;                         ///< by the columns of StateColumns, each as long as those of the points
+  std::vector<PointCell> cells_;    ///< and one behind the last
+  std::vector<std::int64_t> tiles_; ///< first cell of each, and one behind the last; of each body as many
   std::vector<double> nodes_;
   std::vector<double> next_;                                 ///< after a step the velocities that it began with
   BackgroundGrid<Dim> grid_;                                 ///< of the nodes
@@ -115,6 +135,7 @@ private:
     bool outside = false;
   };
   Seen seen_; ///< by the last sweep
+  Looked looked_;
   bool leaving_ = false;
   bool lost_ = false;
 };

@@ -65,10 +65,10 @@ struct Isotropic
     return c[1] * contraction(e, e) + 0.5 * c[0] * t * t + VolumeBarrier::energy(c[2], determinant(F));
   }
 
-  template <int Dim>
-  [[nodiscard]] static double stiffness(const double* c, const Matrix<Dim>& F, const Vector<Dim>& /*axis*/)
+  template <int Dim, class Real>
+  [[nodiscard]] static Real stiffness(const Real* c, const Matrix<Dim, Real>& F, const Vector<Dim, Real>& /*axis*/)
   {
-    return (c[0] + 2 * c[1]) * greatestStretchSquared(F) + VolumeBarrier::stiffness(c[2], determinant(F));
+    return (c[0] + 2.0 * c[1]) * greatestStretchSquared(F) + VolumeBarrier::stiffness(c[2], determinant(F));
   }
 
   /// Stress of a small strain, C : e [Pa].

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <memory>
 #include <numeric>
 
 namespace lamella::mpm
@@ -71,18 +72,19 @@ void MaterialPoints<Dim>::reorder(std::span<const std::uint32_t> order)
 {
 #pragma omp parallel if (count_ > 2000)
   {
-    std::vector<double> old(count_);
+    const auto old = std::make_unique_for_overwrite<double[]>(count_);
 #pragma omp for schedule(dynamic, 1)
     for (int c = 0; c < columns(); ++c)
     {
       double* const values = at(c);
-      std::copy_n(values, count_, old.begin());
+      std::copy_n(values, count_, old.get());
       for (std::size_t p = 0; p < count_; ++p)
         values[p] = old[order[p]];
     }
   }
   std::vector<std::uint32_t> ids(count_);
   std::vector<std::uint8_t> phases(phase_.size());
+#pragma omp parallel for schedule(static) if (count_ > 2000)
   for (std::size_t p = 0; p < count_; ++p)
   {
     ids[p] = id_[order[p]];

@@ -21,8 +21,7 @@ namespace lamella::mpm
 /// - kirchhoff: Kirchhoff stress τ = J σ [Pa], symmetric, by rows;
 /// - thirdStress: of plane strain, the Kirchhoff stress along the third direction [Pa] (double only);
 /// - energy: elastic energy over initial volume [J/m³], whose derivative gives τ exactly;
-/// - stiffness: an upper bound of L:(dτ + …):L / |L|² over all velocity gradients L [Pa], for the time step (double
-/// only).
+/// - stiffness: an upper bound of L:(dτ + …):L / |L|² over all velocity gradients L [Pa], for the time step.
 
 /// P = λ ln J F⁻ᵀ + μ (F − F⁻ᵀ): the law of the manufactured solutions; plane strain in 2D. Stress without bound as
 /// J → 0, but only as ln J.
@@ -63,20 +62,23 @@ struct NeoHookean
   }
 
   /// Spatial stiffness λ 1⊗1 + 2 (μ − λ ln J) I plus the largest principal Kirchhoff stress.
-  template <int Dim>
-  [[nodiscard]] static double stiffness(const double* c, const Matrix<Dim>& F, const Vector<Dim>& /*axis*/)
+  template <int Dim, class Real>
+  [[nodiscard]] static Real stiffness(const Real* c, const Matrix<Dim, Real>& F, const Vector<Dim, Real>& /*axis*/)
   {
-    const double l = std::log(determinant(F));
-    double stretch = 0; // λmax(F Fᵀ) ≤ its largest row sum
-    const Matrix<Dim> b = productTransposed(F, F);
+    using std::abs;
+    using std::log;
+    using std::max;
+    const Real l = log(determinant(F));
+    Real stretch(0.0); // λmax(F Fᵀ) ≤ its largest row sum
+    const Matrix<Dim, Real> b = productTransposed(F, F);
     for (int i = 0; i < Dim; ++i)
     {
-      double row = 0;
+      Real row(0.0);
       for (int j = 0; j < Dim; ++j)
-        row += std::fabs(b(i, j));
-      stretch = std::max(stretch, row);
+        row = row + abs(b(i, j));
+      stretch = max(stretch, row);
     }
-    return c[0] * (Dim - l) + c[1] * (1 + stretch);
+    return c[0] * (static_cast<double>(Dim) - l) + c[1] * (1.0 + stretch);
   }
 };
 

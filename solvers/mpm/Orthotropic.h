@@ -53,8 +53,8 @@ struct Orthotropic
     return 0.5 * contraction(hooke(c, e, axis), e) + VolumeBarrier::energy(c[barrier], determinant(F));
   }
 
-  template <int Dim>
-  [[nodiscard]] static double stiffness(const double* c, const Matrix<Dim>& F, const Vector<Dim>& /*axis*/)
+  template <int Dim, class Real>
+  [[nodiscard]] static Real stiffness(const Real* c, const Matrix<Dim, Real>& F, const Vector<Dim, Real>& /*axis*/)
   {
     return c[wave] * greatestStretchSquared(F) + VolumeBarrier::stiffness(c[barrier], determinant(F));
   }

@@ -229,8 +229,17 @@ std::vector<double> PointDynamics<Dim>::densities() const
 template <int Dim>
 double PointDynamics<Dim>::stableStep() const
 {
+  return 2 * grid_.smallestSpacing() / std::sqrt(factor_ * stiffest()) *
+    (options_.mass == MassMatrix::Consistent ? 0.5 : 1);
+}
+
+template <int Dim>
+double PointDynamics<Dim>::stiffest() const
+{
   using Points = MaterialPoints<Dim>;
-  double worst = 0; // stiffness over density [m²/s²]
+  if (looked_.stiffestAt == step_)
+    return looked_.stiffest;
+  double worst = 0;
 #pragma omp parallel for schedule(static) reduction(max : worst) if (points_.count() > 2000)
   for (std::size_t p = 0; p < points_.count(); ++p)
   {
@@ -240,8 +249,7 @@ double PointDynamics<Dim>::stableStep() const
     // what is not a number must come out on top
     worst = ratio <= worst ? worst : std::isfinite(ratio) ? ratio : std::numeric_limits<double>::infinity();
   }
-  const double h = grid_.smallestSpacing();
-  return 2 * h / std::sqrt(factor_ * options_.comm.max(worst)) * (options_.mass == MassMatrix::Consistent ? 0.5 : 1);
+  return options_.comm.max(worst);
 }
 
 template <int Dim>
@@ -330,7 +338,10 @@ bool PointDynamics<Dim>::run(std::int64_t steps, double dt)
     const bool stop = step_ % looks_ == 0 && step_ > 0 && i > 0 && stops();
     const double now = dt > 0 ? std::min(dt, dt_) : dt_;
     if (fused_)
-      fusedStep(now, (before_ + now) / 2, stop || i + 1 == steps || (step_ + 1) % between == 0);
+      fusedStep(now, (before_ + now) / 2,
+        stop || i + 1 == steps         ? Look::Sums
+          : (step_ + 1) % between == 0 ? Look::Stiffness
+                                       : Look::No);
     else
       generalStep(now, (before_ + now) / 2);
     before_ = now;
@@ -401,7 +412,20 @@ void PointDynamics<Dim>::prepare(double kick)
 }
 
 template <int Dim>
-void PointDynamics<Dim>::fusedStep(double dt, double kick, bool look)
+void PointDynamics<Dim>::noteLooked(Look look)
+{
+  const auto& mine = fused_->looked();
+  const std::int64_t after = step_ + 1;
+  looked_ = { after, -1, -1, 0, 0, options_.comm.max(mine.stiffest) };
+  if (look != Look::Sums)
+    return;
+  std::array<double, 2> energies{ mine.kinetic, mine.elastic };
+  options_.comm.sum(energies);
+  looked_ = { after, after, after, energies[0], energies[1], looked_.stiffest };
+}
+
+template <int Dim>
+void PointDynamics<Dim>::fusedStep(double dt, double kick, Look look)
 {
   // of the rank that is worst off
   constexpr int leaving = 1;
@@ -436,7 +460,11 @@ void PointDynamics<Dim>::fusedStep(double dt, double kick, bool look)
   for (int a = 0; a < Dim; ++a)
     same = same && grid_.axis(a).cells == old.axis(a).cells;
   if (same)
-    fused_->run(ranks_.local(old), ranks_.local(grid_), dt, dt, look || !walled_ || state == leaving);
+  {
+    const bool keep = look != Look::No || !walled_ || state == leaving;
+    if (fused_->run(ranks_.local(old), ranks_.local(grid_), dt, dt, keep, look))
+      noteLooked(look);
+  }
   else
   {
     // another number of cells: give to a grid of as many as before, then sort the points into the new one
@@ -447,7 +475,7 @@ void PointDynamics<Dim>::fusedStep(double dt, double kick, bool look)
       g.spacing = g.length() / old.axis(a).cells;
       g.cells = old.axis(a).cells;
     }
-    fused_->run(ranks_.local(old), ranks_.local(BackgroundGrid<Dim>(axes)), dt, dt, true);
+    fused_->run(ranks_.local(old), ranks_.local(BackgroundGrid<Dim>(axes)), dt, dt, true, Look::No);
   }
   if (!same)
     fused_->forget();

@@ -112,6 +112,7 @@ struct PointEnergies
 
 template <int Dim>
 class FusedStep;
+enum class Look : std::uint8_t;
 
 /// On several ranks everything that is not a plain look at a member is collective; errors are thrown by all.
 template <int Dim>
@@ -222,9 +223,11 @@ private:
   void generalStep(double dt, double kick);
   /// Points to their ranks and cells, and what they have to the nodes.
   void prepare(double kick);
-  /// @param look whether anyone may look at the points before the next step
-  void fusedStep(double dt, double kick, bool look);
+  /// @param look No: nobody looks at the points before the next step
+  void fusedStep(double dt, double kick, Look look);
+  void noteLooked(Look look);
   void addWork(double kick);
+  [[nodiscard]] double stiffest() const;      // stiffness over density [m²/s²]; infinite where one is not finite
   [[nodiscard]] double gravityMoment() const; // of this rank
   [[nodiscard]] double kineticEnergy() const;
   [[nodiscard]] double elasticEnergy() const;
@@ -256,6 +259,18 @@ private:
   std::int64_t evenTo_ = 0; ///< steps up to which advanceTo() takes equal ones, also where it was stopped on the way
   double evenStep_ = 0;
   double startMoment_ = 0; ///< Σ m g·x at the start [J], this rank's share
+  /// What a fused step has summed up, of all ranks.
+  struct Looked
+  {
+    // numbers of steps after which they hold; −1: never
+    std::int64_t stiffestAt = -1;
+    std::int64_t elasticAt = -1;
+    std::int64_t kineticAt = -1; ///< until velocities are changed
+    double kinetic = 0;
+    double elastic = 0;
+    double stiffest = 0; ///< as stiffest() gives it
+  };
+  Looked looked_;
   std::array<std::array<double, 2>, Dim> impulse_{};
 };
 

@@ -71,6 +71,8 @@ template <int Dim>
 double PointDynamics<Dim>::kineticEnergy() const
 {
   using Points = MaterialPoints<Dim>;
+  if (looked_.kineticAt == step_)
+    return looked_.kinetic;
   const auto mass = points_.column(Points::masses);
   const bool withAffine = hasAffine(options_);
   return sumOver(
@@ -85,6 +87,8 @@ template <int Dim>
 double PointDynamics<Dim>::elasticEnergy() const
 {
   using Points = MaterialPoints<Dim>;
+  if (looked_.elasticAt == step_)
+    return looked_.elastic;
   return sumOver(
     [&](std::size_t p)
     {
@@ -136,6 +140,7 @@ double PointDynamics<Dim>::changeVelocities(double keep, double add, int axis, d
     for (std::size_t p = 0; p < points_.count(); ++p)
       v[p] = keep * v[p] + (1 - keep + add) * own * (x[p] - still);
   }
+  looked_.kineticAt = -1;
   if (fused_)
     fused_->change(keep, axis, more, still);
   else

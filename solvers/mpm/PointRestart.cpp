@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -67,6 +68,13 @@ void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint) const
   checkpoint.numbers["initial moment"] = options_.comm.sum(startMoment_);
   checkpoint.numbers["even steps to"] = static_cast<double>(evenTo_);
   checkpoint.numbers["even step"] = evenStep_;
+  // so that a run that goes on has them to the last bit
+  if (looked_.stiffestAt == step_ && std::isfinite(looked_.stiffest))
+    checkpoint.numbers["greatest stiffness"] = looked_.stiffest;
+  if (looked_.elasticAt == step_)
+    checkpoint.numbers["elastic energy"] = looked_.elastic;
+  if (looked_.kineticAt == step_)
+    checkpoint.numbers["kinetic energy"] = looked_.kinetic;
   if (fused_ && !several)
     fused_->keep(checkpoint);
   checkpoint.arrays["wave"] = { { static_cast<std::int64_t>(measured_.field().size()) }, measured_.field(), "",
@@ -165,6 +173,18 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
     evenTo_ = checkpoint.count("even steps to");
     evenStep_ = checkpoint.number("even step");
   }
+  looked_ = {};
+  const auto known = [&](const char* name, std::int64_t& at, double& sum) // nor these, and there may be none
+  {
+    if (!checkpoint.numbers.contains(name))
+      return;
+    checkpoint.expectFinite(name);
+    at = step_;
+    sum = checkpoint.number(name);
+  };
+  known("greatest stiffness", looked_.stiffestAt, looked_.stiffest);
+  known("elastic energy", looked_.elasticAt, looked_.elastic);
+  known("kinetic energy", looked_.kineticAt, looked_.kinetic);
   if (checkpoint.arrays.contains("wave"))
     measured_.takeBack(checkpoint.reals("wave"));
   if (fused_ && !options_.comm.parallel())

@@ -128,13 +128,16 @@ inline Matrix<Dim, Real> lessIdentity(Matrix<Dim, Real> m)
 
 /// The square of the greatest stretch of F, or a little more in space; exact in a plane, and where two stretches of
 /// three are alike and the least.
-template <int Dim>
-inline double greatestStretchSquared(const Matrix<Dim>& F)
+template <int Dim, class Real>
+inline Real greatestStretchSquared(const Matrix<Dim, Real>& F)
 {
-  const Matrix<Dim> b = productTransposed(F, F);
-  const double mean = trace(b) / Dim;
-  const double rest = contraction(b, b) - Dim * mean * mean; // of the deviator; round-off may leave it below 0
-  return mean + std::sqrt((Dim - 1.0) / Dim * std::fabs(rest));
+  using std::abs;
+  using std::sqrt;
+  constexpr double dimension = Dim;
+  const Matrix<Dim, Real> b = productTransposed(F, F);
+  const Real mean = (1 / dimension) * trace(b);
+  const Real rest = contraction(b, b) - dimension * mean * mean; // of the deviator; round-off may leave it below 0
+  return mean + sqrt((dimension - 1) / dimension * abs(rest));
 }
 
 /// Of U, in space, with what they were made of.

@@ -27,10 +27,11 @@ struct VolumeBarrier
   }
 
   /// J² times the second derivative [Pa].
-  [[nodiscard]] static double stiffness(double modulus, double J)
+  template <class Real>
+  [[nodiscard]] static Real stiffness(const Real& modulus, const Real& J)
   {
-    const double d = depth(J);
-    return modulus * d * d * (12 * J * J + 8 * d * J + 2 * d * d) / J;
+    const Real d = depth(J);
+    return modulus * d * d * (12.0 * J * J + 8.0 * d * J + 2.0 * d * d) / J;
   }
 
 private:

@@ -10,6 +10,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <numeric>
+#include <span>
 #include <utility>
 
 namespace lamella::mpm
@@ -92,24 +94,42 @@ public:
     for (int n = 0; n < Reach<Dim>::splines; ++n)
       jump_[static_cast<std::size_t>(n)] =
         n % 3 * grid.stride(0) + n / 3 % 3 * grid.stride(1) + (Dim == 3 ? n / 9 * grid.stride(Dim - 1) : 0);
+    sortIntoSlabs();
   }
 
   /// Σ m N
   void addMass(std::vector<double>& nodes) const
   {
-    Reach<Dim> r;
-    for (std::size_t p = 0; p < points_.count(); ++p)
-      if (reach(p, r))
-        for (int n = 0; n < Reach<Dim>::splines; ++n)
-          nodes[static_cast<std::size_t>(r.first + jump_[static_cast<std::size_t>(n)])] += mass_[p] * r.value[n];
+    forEachSlab(
+      [&](std::size_t, std::span<const std::uint32_t> points)
+      {
+        Reach<Dim> r;
+        for (const std::uint32_t p : points)
+          if (reach(p, r))
+            for (int n = 0; n < Reach<Dim>::splines; ++n)
+              nodes[static_cast<std::size_t>(r.first + jump_[static_cast<std::size_t>(n)])] += mass_[p] * r.value[n];
+      });
   }
 
   /// K field. @return field · K field of this rank
   double addForces(const std::vector<double>& field, double shear, double lame, std::vector<double>& forces) const
   {
+    std::vector<double> energies(slabs_.size());
+    forEachSlab([&](std::size_t slab, std::span<const std::uint32_t> points)
+      { energies[slab] = addForces(points, field, shear, lame, forces); });
+    return std::accumulate(energies.begin(), energies.end(), 0.0);
+  }
+
+private:
+  static constexpr int layers = 4; // of a slab: of every other one none reaches the next
+
+  /// The same for some of the points.
+  double addForces(std::span<const std::uint32_t> points, const std::vector<double>& field, double shear, double lame,
+    std::vector<double>& forces) const
+  {
     Reach<Dim> r;
     double energy = 0;
-    for (std::size_t p = 0; p < points_.count(); ++p)
+    for (const std::uint32_t p : points)
     {
       if (!reach(p, r))
         continue;
@@ -142,7 +162,40 @@ public:
     return energy;
   }
 
-private:
+  /// Points by layers of cells along the last axis, in the order that they are in.
+  void sortIntoSlabs()
+  {
+    const GridAxis& g = grid_.axis(Dim - 1);
+    const auto slabs = static_cast<std::size_t>(g.cells / layers + 1);
+    const auto x = points_.column(Dim - 1);
+    std::vector<std::uint32_t> slabOf(points_.count());
+#pragma omp parallel for schedule(static) if (slabOf.size() > 2000)
+    for (std::size_t p = 0; p < slabOf.size(); ++p)
+    {
+      const double base = std::floor(g.coordinate(x[p]) - 0.5) + 1; // of those outside the nearest: nothing is done
+      slabOf[p] = static_cast<std::uint32_t>(base > 0 ? std::min(base, static_cast<double>(g.cells)) : 0) / layers;
+    }
+    slabs_.assign(slabs + 1, 0);
+    for (const std::uint32_t slab : slabOf)
+      ++slabs_[slab + 1U];
+    std::partial_sum(slabs_.begin(), slabs_.end(), slabs_.begin());
+    order_.resize(slabOf.size());
+    std::vector<std::size_t> next = slabs_;
+    for (std::size_t p = 0; p < slabOf.size(); ++p)
+      order_[next[slabOf[p]]++] = static_cast<std::uint32_t>(p);
+  }
+
+  /// f(number, its points) of every slab, no two side by side at a time.
+  template <class F>
+  void forEachSlab(F&& f) const
+  {
+    const std::size_t count = slabs_.size() - 1;
+    for (std::size_t colour = 0; colour < 2; ++colour)
+#pragma omp parallel for schedule(dynamic, 1) if (order_.size() > 2000)
+      for (std::size_t s = colour; s < count; s += 2)
+        f(s, std::span(order_).subspan(slabs_[s], slabs_[s + 1] - slabs_[s]));
+  }
+
   /// What a point reaches; false where it lies outside the grid.
   bool reach(std::size_t p, Reach<Dim>& r) const
   {
@@ -179,6 +232,8 @@ private:
   std::span<const double> mass_;
   double h_;
   std::array<std::int64_t, Reach<Dim>::splines> jump_{};
+  std::vector<std::size_t> slabs_;   ///< where each begins in order_, and its end
+  std::vector<std::uint32_t> order_; ///< points
 };
 
 } // namespace

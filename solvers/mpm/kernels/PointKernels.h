@@ -67,6 +67,8 @@ struct PointSweep
   double dt;
   double kick; ///< of the forces that are added
   bool keep;   ///< writes the points' velocities: nothing within the sweeps reads them
+  bool look;   ///< finds the sums below: the stiffness,
+  bool sums;   ///< and the energies too
   double gravity[3];
   const double* constants; ///< of the law, phase by phase
   bool onePhase;           ///< the constants are those of all phases
@@ -76,6 +78,11 @@ struct PointSweep
   bool far;            ///< one of them by more than a cell
   bool outside;        ///< a point beyond `least` or `most`, or no longer finite
   double fastest;      ///< with `keep`: largest component of the points' affine velocities [1/s]
+  // with `look`, where the whole step is made
+  double kinetic;  ///< with `sums`: energy before the forces that are added, what affine velocities hold included
+  double elastic;  ///< with `sums`: energy after the step
+  double stiffest; ///< greatest stiffness over density after it [m²/s²], not below what it was; infinite
+                   ///< where one is not finite or turned inside out
 };
 
 /// Cells first … last − 1.

@@ -107,6 +107,7 @@ public:
   /// Whether the stress is found of two chunks at once: its operations wait for each other, and those of the other
   /// chunk fill the gaps. Short laws have none to fill.
   static constexpr bool pairs = Dim == 3 && Whole && Law::kind != LawKind::NeoHookean;
+  static constexpr double mostFinite = 1e38; ///< in both precisions
   static_assert(Law::history == 0);
 
   explicit Sweep(PointSweep& sweep)
@@ -129,6 +130,15 @@ public:
     for (std::int64_t c = first; c < last; c += Cells)
       cells(c, static_cast<int>(last - c < Cells ? last - c : Cells));
     given_.finish();
+    if (!Whole || !s_.look)
+      return;
+    for (int l = 0; l < N; ++l)
+    {
+      s_.kinetic += static_cast<double>(kinetic_.v[l]);
+      s_.elastic += static_cast<double>(elastic_.v[l]);
+      s_.stiffest =
+        static_cast<double>(stiffest_.v[l]) > s_.stiffest ? static_cast<double>(stiffest_.v[l]) : s_.stiffest;
+    }
   }
 
 private:
@@ -194,9 +204,9 @@ private:
         Moved p;
         begin(chunkAt(first, present, done), p);
         if (fresh && done == 0)
-          end<fresh>(p, Law::kirchhoff(constants_, wholeOf(p.F), p.axis));
+          end<fresh>(p, stress(p));
         else
-          end<false>(p, Law::kirchhoff(constants_, wholeOf(p.F), p.axis));
+          end<false>(p, stress(p));
       }
     giveCells(first, present);
   }
@@ -237,7 +247,8 @@ private:
         F.m[i] = { p[0].F.m[i], p[1].F.m[i] };
       for (int a = 0; a < Dim; ++a)
         axis[a] = { p[0].axis[a], p[1].axis[a] };
-      const Matrix<Dim, Two<R>> both = Law::kirchhoff(constants, wholeOf(F), axis);
+      addIdentity(F);
+      const Matrix<Dim, Two<R>> both = Law::kirchhoff(constants, F, axis);
       for (int i = 0; i < Dim * Dim; ++i)
       {
         tau[0].m[i] = both.m[i].first;
@@ -245,7 +256,7 @@ private:
       }
     }
     else
-      tau[0] = Law::kirchhoff(constants_, wholeOf(p[0].F), p[0].axis);
+      tau[0] = stress(p[0]);
 #pragma GCC unroll 1
     for (int i = 0; i < chunks; ++i)
       if (fresh && done + i == 0)
@@ -387,13 +398,23 @@ private:
       value.template group<Cells>(k).template as<double>().storeFirst(
         s_.columns + c * s_.pitch + chunk.point[k], chunk.count[k]);
   }
-  /// F of what is stored of it.
+  /// Makes F of what is stored of it. In place: a copy would be made by bytes.
   template <class Real>
-  static Matrix<Dim, Real> wholeOf(Matrix<Dim, Real> stored)
+  [[gnu::always_inline]] static void addIdentity(Matrix<Dim, Real>& stored)
   {
     for (int a = 0; a < Dim && single; ++a)
       stored(a, a) = stored(a, a) + Real(1.0);
-    return stored;
+  }
+  [[gnu::always_inline]] Matrix<Dim, R> stress(const Moved& p) const
+  {
+    if constexpr (single)
+    {
+      Matrix<Dim, R> F = p.F;
+      addIdentity(F);
+      return Law::kirchhoff(constants_, F, p.axis);
+    }
+    else
+      return Law::kirchhoff(constants_, p.F, p.axis);
   }
   /// A bit for every lane that has a point.
   static unsigned present(const Chunk& chunk)
@@ -422,6 +443,8 @@ private:
     if constexpr (Whole)
     {
       take(chunk, p.x, p.v, p.affine, p.F);
+      if (s_.look)
+        look(p);
     }
     else
     {
@@ -482,7 +505,8 @@ private:
         if ((here >> l & 1U) != 0 && static_cast<double>(most.v[l]) > s_.fastest)
           s_.fastest = static_cast<double>(most.v[l]);
     }
-    const Matrix<Dim, R> before = wholeOf(F);
+    Matrix<Dim, R> before = F;
+    addIdentity(before);
     for (int i = 0; i < Dim; ++i)
       for (int j = 0; j < Dim; ++j)
       {
@@ -493,6 +517,36 @@ private:
       }
     for (int i = 0; i < Dim * Dim; ++i)
       store(C::deformations + i, chunk, F.m[i]);
+  }
+
+  /// Adds to the sums what these points have.
+  [[gnu::noinline]] void look(const Moved& p)
+  {
+    const R none(0.0);
+    const R mass = load(C::masses, p.chunk);
+    const R volume = load(C::volumes, p.chunk);
+    Matrix<Dim, R> F = p.F;
+    addIdentity(F);
+    const typename R::I here = R::where(present(p.chunk));
+    const R stiffness = Law::stiffness(constants_, F, p.axis) * volume / mass;
+    const typename R::I sound = (stiffness <= R(mostFinite)) & (determinant(F) > none); // false of what is no number
+    const R finite = select(sound, stiffness, R(__builtin_inf()));
+    stiffest_ = max(stiffest_, select(here, finite, none));
+    if (!s_.sums)
+      return;
+    R squares = none;
+    for (int a = 0; a < Dim; ++a)
+    {
+      R own = p.v[a] * p.v[a];
+      for (int b = 0; b < Dim; ++b)
+      {
+        const R c = p.affine(a, b) * R(0.5 * s_.axis[b].spacing[1]);
+        own = own + c * c;
+      }
+      squares = squares + own;
+    }
+    kinetic_ = kinetic_ + select(here, 0.5 * (mass * squares), none);
+    elastic_ = elastic_ + select(here, volume * Law::energy(constants_, F, p.axis), none);
   }
 
   /// Momentum and forces to the grid.
@@ -653,6 +707,9 @@ private:
   R constants_[Law::constants];
   T coefficients_[4 * Cells * nodes];
   R moments_[1 + Dim][nodes];
+  R kinetic_{ 0.0 };
+  R elastic_{ 0.0 };
+  R stiffest_{ 0.0 };
   TakenPlanes<Dim, Cells> taken_;
   GivenPlanes<Dim> given_;
 };
