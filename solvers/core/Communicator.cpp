@@ -98,8 +98,13 @@ void Communicator::broadcast(std::vector<std::byte>& bytes) const
   std::uint64_t count = bytes.size();
   MPI_Bcast(&count, 1, MPI_UINT64_T, 0, comm_);
   bytes.resize(count);
+  broadcast(std::span(bytes));
+}
+
+void Communicator::broadcast(std::span<std::byte> bytes) const
+{
   constexpr std::size_t most = std::size_t{ 1 } << 30; // a count is an int
-  for (std::size_t at = 0; at < bytes.size(); at += most)
+  for (std::size_t at = 0; parallel() && at < bytes.size(); at += most)
     MPI_Bcast(bytes.data() + at, static_cast<int>(std::min(most, bytes.size() - at)), MPI_BYTE, 0, comm_);
 }
 

@@ -37,6 +37,8 @@ public:
   [[nodiscard]] std::vector<double> gather(std::span<const double> mine) const;
   /// Rank 0's bytes, of any number, on every rank.
   void broadcast(std::vector<std::byte>& bytes) const;
+  /// The same for as many as every rank has room for.
+  void broadcast(std::span<std::byte> bytes) const;
 
 private:
   MPI_Comm comm_;

@@ -10,9 +10,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <exception>
+#include <fstream>
+#include <istream>
+#include <span>
 #include <system_error>
 #include <utility>
 
@@ -107,21 +111,26 @@ CheckpointArray readArray(hid_t file, const char* name, std::size_t most)
   return array;
 }
 
-/// A file that is held in memory; what there is of it, or a new one.
-Handle openImage(std::span<const std::byte> image)
+/// A new file that is held in memory.
+Handle newInMemory()
 {
   const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   good(H5Pset_fapl_core(access, std::size_t{ 1 } << 20, 0));
-  if (image.empty())
-    return { H5Fcreate("checkpoint", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose };
-  good(H5Pset_file_image(access, const_cast<std::byte*>(image.data()), image.size())); // NOLINT: it makes a copy
-  return { H5Fopen("checkpoint", H5F_ACC_RDONLY, access), H5Fclose };
+  return { H5Fcreate("checkpoint", H5F_ACC_TRUNC, H5P_DEFAULT, access), H5Fclose };
+}
+
+/// One on the disk, behind its header. Without a lock, which not every file system has: a run replaces its files whole.
+Handle openStored(const std::filesystem::path& path)
+{
+  const Handle access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
+  good(H5Pset_file_locking(access, 0, 1));
+  return { H5Fopen(path.c_str(), H5F_ACC_RDONLY, access), H5Fclose };
 }
 
 /// A checkpoint as a file in memory; its arrays are given away, one after the other.
 Handle encoded(Checkpoint checkpoint)
 {
-  Handle file = openImage({});
+  Handle file = newInMemory();
   writeText(file, "format", fmt::format("lamella checkpoint {}", format));
   writeText(file, "kind", checkpoint.kind);
   writeLongText(file, "scene", checkpoint.scene);
@@ -156,10 +165,11 @@ std::span<const std::byte> bytesOf(const Handle& file)
   return { *static_cast<const std::byte* const*>(place), static_cast<std::size_t>(size) }; // the core driver's
 }
 
-Checkpoint decodeContent(std::span<const std::byte> image)
+/// @param most bytes that an array can take  @param keeps whether the arrays are wanted, or only that they can be read
+Checkpoint contentOf(const std::filesystem::path& path, std::size_t most, bool keeps)
 {
   const Quiet quiet;
-  const Handle file = openImage(image);
+  const Handle file = openStored(path);
   Checkpoint checkpoint;
   checkpoint.kind = readText(file, "kind");
   checkpoint.scene = readLongText(file, "scene");
@@ -193,7 +203,11 @@ Checkpoint decodeContent(std::span<const std::byte> image)
     },
     &names));
   for (const std::string& name : names)
-    checkpoint.arrays[name] = readArray(arrays, name.c_str(), image.size());
+  {
+    CheckpointArray array = readArray(arrays, name.c_str(), most);
+    if (keeps)
+      checkpoint.arrays[name] = std::move(array);
+  }
   return checkpoint;
 }
 
@@ -202,6 +216,19 @@ std::string hashOf(std::span<const std::byte> bytes)
   Sha256 hash;
   hash.update(bytes);
   return hash.finish();
+}
+
+/// Of the rest of a file; nothing where it cannot be read to its end.
+std::string hashOf(std::istream& file)
+{
+  Sha256 hash;
+  std::vector<char> some(std::size_t{ 1 } << 20);
+  while (file)
+  {
+    file.read(some.data(), static_cast<std::streamsize>(some.size()));
+    hash.update(std::as_bytes(std::span(some)).first(static_cast<std::size_t>(file.gcount())));
+  }
+  return file.eof() ? hash.finish() : std::string();
 }
 
 /// What stands behind "name " in the header, up to the end of the line.
@@ -307,12 +334,28 @@ void replaceFile(const std::filesystem::path& path, Checkpoint checkpoint)
       "make room on the disk, or write to another one");
 }
 
-Checkpoint decode(std::span<const std::byte> bytes, std::string_view name)
+Checkpoint readFile(const std::filesystem::path& path)
 {
+  const std::string name = path.string();
   const char* anew = "continue from an earlier checkpoint, or start the run anew";
-  const std::string_view header(
-    reinterpret_cast<const char*>(bytes.data()), std::min(bytes.size(), headerBytes)); // NOLINT: text
-  if (bytes.empty())
+  std::error_code failed;
+  if (std::filesystem::is_directory(path, failed))
+    throw InputError(
+      fmt::format("'{}' is a folder, not a checkpoint", name), "give the file that a run wrote as its checkpoint");
+  errno = 0;
+  std::ifstream file(path, std::ios::binary | std::ios::ate);
+  const auto whole = file ? static_cast<std::size_t>(file.tellg()) : 0;
+  std::string header(std::min(whole, headerBytes), '\0');
+  file.seekg(0);
+  file.read(header.data(), static_cast<std::streamsize>(header.size()));
+  const auto unreadable = [&]
+  {
+    return InputError(fmt::format("cannot read '{}': {}", name, std::generic_category().message(errno)),
+      "check the path and its permissions");
+  };
+  if (!file)
+    throw unreadable();
+  if (header.empty())
     throw InputError(fmt::format("'{}' is empty", name), anew);
   if (header.substr(0, magic.size()) != magic.substr(0, header.size()))
     throw InputError(fmt::format("'{}' is not a checkpoint{}", name,
@@ -325,20 +368,23 @@ Checkpoint decode(std::span<const std::byte> bytes, std::string_view name)
                        name, version, field(header, "written-by"), program(), format),
       "continue with the program that wrote it");
   const auto size = numberIn<std::size_t>(header, "bytes");
-  if (bytes.size() < headerBytes || bytes.size() - headerBytes < size)
-    throw InputError(fmt::format("'{}' is cut off: it has {} bytes of {}", name, bytes.size(),
+  if (whole < headerBytes || whole - headerBytes < size)
+    throw InputError(fmt::format("'{}' is cut off: it has {} bytes of {}", name, whole,
                        size > 0 ? fmt::format("{}", headerBytes + size) : fmt::format("more than {}", headerBytes)),
       anew);
-  const std::span<const std::byte> content = bytes.subspan(headerBytes);
-  if (version < 1 || content.size() != size || hashOf(content) != field(header, "sha256"))
+  if (version < 1 || whole - headerBytes != size || hashOf(file) != field(header, "sha256"))
+  {
+    if (file.bad())
+      throw unreadable();
     throw InputError(fmt::format("'{}' is damaged: its bytes are not those that were written", name), anew);
+  }
   // What follows can be wrong only where somebody meant it to be, and mended the hash; HDF5 may not survive that.
   const auto fault = [&] { return fmt::format("'{}' is damaged: what it holds is no checkpoint", name); };
-  if (!survives([&] { static_cast<void>(decodeContent(content)); }))
+  if (!survives([&] { static_cast<void>(contentOf(path, size, false)); }))
     throw InputError(fault(), anew);
   try
   {
-    return decodeContent(content);
+    return contentOf(path, size, true);
   }
   catch (const Error&)
   {

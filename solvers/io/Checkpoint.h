@@ -1,10 +1,8 @@
 #pragma once
 
-#include <cstddef>
 #include <cstdint>
 #include <filesystem>
 #include <map>
-#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -50,15 +48,12 @@ struct Checkpoint
 /// @throws Error: HDF5 fails; the disk is full, or another reason; the old file is as it was
 void replaceFile(const std::filesystem::path& path, Checkpoint checkpoint);
 
-/// @param name of the file, for messages
-/// @throws InputError: not a checkpoint, cut off, damaged, newer than this program
-[[nodiscard]] Checkpoint decode(std::span<const std::byte> bytes, std::string_view name);
+/// A file's. Its arrays are read one after the other: of none is there a second copy.
+/// @throws InputError: cannot be read; not a checkpoint, cut off, damaged, newer than this program
+[[nodiscard]] Checkpoint readFile(const std::filesystem::path& path);
 
 /// @throws InputError: a checkpoint of another kind or scene; says what differs
 void expectScene(const Checkpoint& checkpoint, std::string_view kind, std::string_view scene, std::string_view name);
-
-/// All bytes of a file. @throws InputError when it cannot be read
-[[nodiscard]] std::vector<std::byte> readBytes(const std::filesystem::path& path);
 
 /// Refuses a place where no checkpoint can be written: no such folder, a folder, a file of another sort.
 /// @throws InputError

@@ -25,23 +25,6 @@ std::string reason(int error)
 
 } // namespace
 
-std::vector<std::byte> readBytes(const fs::path& path)
-{
-  std::error_code failed;
-  if (fs::is_directory(path, failed))
-    throw InputError(fmt::format("'{}' is a folder, not a checkpoint", path.string()),
-      "give the file that a run wrote as its checkpoint");
-  errno = 0;
-  std::ifstream file(path, std::ios::binary | std::ios::ate);
-  std::vector<std::byte> bytes(file ? static_cast<std::size_t>(file.tellg()) : 0);
-  file.seekg(0);
-  file.read(reinterpret_cast<char*>(bytes.data()), static_cast<std::streamsize>(bytes.size())); // NOLINT
-  if (!file)
-    throw InputError(
-      fmt::format("cannot read '{}': {}", path.string(), reason(errno)), "check the path and its permissions");
-  return bytes;
-}
-
 void checkPlace(const fs::path& path)
 {
   std::error_code ignored;

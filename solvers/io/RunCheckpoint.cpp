@@ -6,9 +6,12 @@
 
 #include <fmt/format.h>
 
-#include <cstddef>
+#include <cstdint>
+#include <map>
 #include <new>
+#include <span>
 #include <utility>
+#include <variant>
 #include <vector>
 
 namespace lamella::io
@@ -32,6 +35,68 @@ void warnNotWritten(const CheckpointOptions& options, const std::string& what, c
 {
   if (options.warn)
     options.warn(what + "; the last good checkpoint stays, the run goes on (" + hint + ")");
+}
+
+/// Rank 0's to all, array by array.
+class Sent
+{
+public:
+  explicit Sent(const Communicator& comm)
+    : comm_(comm)
+  {
+  }
+  void number(std::uint64_t& n) const { comm_.broadcast(std::as_writable_bytes(std::span(&n, 1))); }
+  void operator()(double& value) const { comm_.broadcast(std::as_writable_bytes(std::span(&value, 1))); }
+  void operator()(std::string& text) const { values(text); }
+  /// A string or a vector.
+  template <class Values>
+  void values(Values& v) const
+  {
+    std::uint64_t count = v.size();
+    number(count);
+    v.resize(count);
+    comm_.broadcast(std::as_writable_bytes(std::span(v)));
+  }
+  void operator()(CheckpointArray& array) const
+  {
+    std::uint64_t kind = array.values.index();
+    number(kind);
+    if (kind != array.values.index())
+      array.values = std::vector<std::int64_t>();
+    values(array.shape);
+    std::visit([this](auto& v) { values(v); }, array.values);
+    (*this)(array.unit);
+    (*this)(array.description);
+  }
+  template <class T>
+  void operator()(std::map<std::string, T>& all) const
+  {
+    std::uint64_t count = all.size();
+    number(count);
+    auto mine = all.begin();
+    for (std::uint64_t i = 0; i < count; ++i)
+    {
+      std::string name = mine != all.end() ? mine->first : std::string();
+      (*this)(name);
+      if (comm_.rank() != 0)
+        mine = all.try_emplace(all.end(), name);
+      (*this)(mine->second);
+      ++mine;
+    }
+  }
+
+private:
+  const Communicator& comm_;
+};
+
+void broadcast(Checkpoint& checkpoint, const Communicator& comm)
+{
+  const Sent sent(comm);
+  sent(checkpoint.kind);
+  sent(checkpoint.scene);
+  sent(checkpoint.provenance);
+  sent(checkpoint.numbers);
+  sent(checkpoint.arrays);
 }
 
 constexpr const char* forMemory = "free memory, or run without checkpoints";
@@ -74,10 +139,10 @@ bool write(Checkpoint checkpoint, const CheckpointOptions& options, const Commun
 Checkpoint readCheckpoint(
   const std::filesystem::path& path, const std::string& kind, const std::string& scene, const Communicator& comm)
 {
-  std::vector<std::byte> bytes;
-  onFirst(comm, [&] { bytes = readBytes(path); });
-  comm.broadcast(bytes);
-  Checkpoint checkpoint = decode(bytes, path.string());
+  Checkpoint checkpoint;
+  onFirst(comm, [&] { checkpoint = readFile(path); });
+  if (comm.parallel())
+    broadcast(checkpoint, comm);
   expectScene(checkpoint, kind, scene, path.string());
   return checkpoint;
 }

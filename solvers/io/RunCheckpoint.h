@@ -32,7 +32,7 @@ struct CheckpointOptions
 /// @param checkpoint given away
 /// @return whether it was written
 bool write(Checkpoint checkpoint, const CheckpointOptions& options, const Communicator& comm);
-/// Read by rank 0 for all. @throws InputError on all ranks alike: see decode(), expectScene()
+/// Read by rank 0 for all. @throws InputError on all ranks alike: see readFile(), expectScene()
 [[nodiscard]] Checkpoint readCheckpoint(
   const std::filesystem::path& path, const std::string& kind, const std::string& scene, const Communicator& comm);
 /// Tells when CheckpointOptions::seconds have passed.

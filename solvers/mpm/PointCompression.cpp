@@ -410,7 +410,7 @@ bool PointCompression<Dim>::advance(double to)
         until_ = body_->time() + duration;
     }
     const std::int64_t before = body_->steps();
-    bool goesOn = lookAt_ > before ? body_->advance(lookAt_ - before) : body_->advanceTo(until_);
+    bool goesOn = lookAt_ > before ? body_->advance(lookAt_ - before, true) : body_->advanceTo(until_, true);
     if (goesOn)
     {
       until_ = 0;

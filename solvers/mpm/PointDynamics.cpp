@@ -329,7 +329,7 @@ void PointDynamics<Dim>::setVelocity(int axis, int side, double velocity)
 }
 
 template <int Dim>
-bool PointDynamics<Dim>::run(std::int64_t steps, double dt)
+bool PointDynamics<Dim>::run(std::int64_t steps, double dt, bool energies)
 {
   for (std::int64_t i = 0; i < steps; ++i)
   {
@@ -337,11 +337,10 @@ bool PointDynamics<Dim>::run(std::int64_t steps, double dt)
       return false;
     const bool stop = step_ % looks_ == 0 && step_ > 0 && i > 0 && stops();
     const double now = dt > 0 ? std::min(dt, dt_) : dt_;
+    const bool end = stop || i + 1 == steps;
+    const bool due = (step_ + 1) % between == 0;
     if (fused_)
-      fusedStep(now, (before_ + now) / 2,
-        stop || i + 1 == steps         ? Look::Sums
-          : (step_ + 1) % between == 0 ? Look::Stiffness
-                                       : Look::No);
+      fusedStep(now, (before_ + now) / 2, end || due, end && energies ? Look::Sums : due ? Look::Stiffness : Look::No);
     else
       generalStep(now, (before_ + now) / 2);
     before_ = now;
@@ -354,13 +353,13 @@ bool PointDynamics<Dim>::run(std::int64_t steps, double dt)
 }
 
 template <int Dim>
-bool PointDynamics<Dim>::advance(std::int64_t steps)
+bool PointDynamics<Dim>::advance(std::int64_t steps, bool energies)
 {
-  return run(steps, 0);
+  return run(steps, 0, energies);
 }
 
 template <int Dim>
-bool PointDynamics<Dim>::advanceTo(double time)
+bool PointDynamics<Dim>::advanceTo(double time, bool energies)
 {
   // steps may have to shrink on the way
   while (time - time_ > 1e-9 * dt_)
@@ -371,7 +370,8 @@ bool PointDynamics<Dim>::advanceTo(double time)
       evenStep_ = (time - time_) / static_cast<double>(count);
       evenTo_ = step_ + std::min(count, between);
     }
-    if (!run(evenTo_ - step_, evenStep_))
+    const bool last = time - time_ - static_cast<double>(evenTo_ - step_) * evenStep_ <= 1e-9 * dt_;
+    if (!run(evenTo_ - step_, evenStep_, energies && last))
       return false;
   }
   return true;
@@ -425,7 +425,7 @@ void PointDynamics<Dim>::noteLooked(Look look)
 }
 
 template <int Dim>
-void PointDynamics<Dim>::fusedStep(double dt, double kick, Look look)
+void PointDynamics<Dim>::fusedStep(double dt, double kick, bool keep, Look look)
 {
   // of the rank that is worst off
   constexpr int leaving = 1;
@@ -461,7 +461,7 @@ void PointDynamics<Dim>::fusedStep(double dt, double kick, Look look)
     same = same && grid_.axis(a).cells == old.axis(a).cells;
   if (same)
   {
-    const bool keep = look != Look::No || !walled_ || state == leaving;
+    keep = keep || !walled_ || state == leaving;
     if (fused_->run(ranks_.local(old), ranks_.local(grid_), dt, dt, keep, look))
       noteLooked(look);
   }

@@ -133,12 +133,14 @@ public:
   PointDynamics(const PointDynamics&) = delete;
   PointDynamics& operator=(const PointDynamics&) = delete;
 
+  /// @param energies whether energies() will be asked for: the last step then sums them up, at a fraction of what it
+  /// costs to find them point by point
   /// @return false when progress() asked to stop
   /// @throws DivergenceError: what is no longer finite, turned inside out or out of the grid; a given step that the
   /// deformed body makes unstable. Names the step.
-  bool advance(std::int64_t steps);
+  bool advance(std::int64_t steps, bool energies = false);
   /// To a time [s], by as many equal steps as it takes.
-  bool advanceTo(double time);
+  bool advanceTo(double time, bool energies = false);
   /// Of a wall or a period, from now on [m/s].
   void setVelocity(int axis, int side, double velocity);
   /// Multiplies all velocities, those of walls and periods too; the kinetic energy that this brings counts as supplied.
@@ -219,12 +221,12 @@ private:
   // false where that asked to stop on the way: all is as before then
   bool measureFactor();
   bool chooseStep();
-  bool run(std::int64_t steps, double dt);
+  bool run(std::int64_t steps, double dt, bool energies);
   void generalStep(double dt, double kick);
   /// Points to their ranks and cells, and what they have to the nodes.
   void prepare(double kick);
-  /// @param look No: nobody looks at the points before the next step
-  void fusedStep(double dt, double kick, Look look);
+  /// @param keep whether anyone may look at the points before the next step
+  void fusedStep(double dt, double kick, bool keep, Look look);
   void noteLooked(Look look);
   void addWork(double kick);
   [[nodiscard]] double stiffest() const;      // stiffness over density [m²/s²]; infinite where one is not finite

@@ -184,7 +184,7 @@ Answer readScene(const fs::path& path)
 
 Answer readCheckpoint(const fs::path& path)
 {
-  const io::Checkpoint checkpoint = io::decode(io::readBytes(path), path.string());
+  const io::Checkpoint checkpoint = io::readFile(path);
   io::Sha256 hash;
   for (const auto& [name, value] : checkpoint.numbers)
   {

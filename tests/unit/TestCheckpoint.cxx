@@ -30,7 +30,7 @@ TEST(Checkpoint, KeepsNumbersAndIsHdf5)
   c.arrays["n"] = { { 2 }, std::vector<std::int64_t>{ -1, std::int64_t{ 1 } << 60 }, "", "" };
   const fs::path file = folder / "c.h5";
   io::replaceFile(file, c);
-  const io::Checkpoint back = io::decode(io::readBytes(file), "c.h5");
+  const io::Checkpoint back = io::readFile(file);
   EXPECT_EQ(back.kind, c.kind);
   EXPECT_EQ(back.scene, c.scene);
   EXPECT_EQ(back.provenance, c.provenance);

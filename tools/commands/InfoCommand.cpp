@@ -182,7 +182,7 @@ Json convertedJson(Session& session, const InfoOptions& o)
 /// What is in the checkpoint of a run.
 Json checkpointJson(const std::string& path)
 {
-  const io::Checkpoint checkpoint = io::decode(io::readBytes(path), path);
+  const io::Checkpoint checkpoint = io::readFile(path);
   Json json;
   json["file"] = path;
   json["kind"] = "checkpoint";

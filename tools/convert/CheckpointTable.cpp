@@ -31,8 +31,7 @@ bool isCheckpoint(const std::string& path)
 
 vtkSmartPointer<vtkTable> checkpointTable(const std::string& path, std::span<const std::string> arrays)
 {
-  const auto bytes = io::readBytes(path);
-  const io::Checkpoint checkpoint = io::decode(bytes, path);
+  const io::Checkpoint checkpoint = io::readFile(path);
   std::vector<std::string> names;
   for (const auto& [name, array] : checkpoint.arrays)
     names.push_back(name);
