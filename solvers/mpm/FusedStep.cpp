@@ -17,9 +17,11 @@ namespace
 
 constexpr int tileRows = 8; // more than twice what a stray may be off, and the three rows of a spline
 constexpr std::size_t worthThreads = 2000;
-/// Share of strays at which points are sorted: one costs as much as some ten others in a plane, thirty in space.
+/// Strays since points were sorted last, one counted again in every step, over the points: when they are sorted again.
+/// What strays have cost by then is what sorting costs: some fifth of a stray's step a point in a plane, a tenth in
+/// space.
 template <int Dim>
-constexpr double sortAt = Dim == 3 ? 0.005 : 0.02;
+constexpr double sortAt = Dim == 3 ? 0.1 : 0.2;
 constexpr std::int64_t cellsAtOnce = 256; // whose points' C is found together
 constexpr std::size_t clearedAtOnce = 4096;
 
@@ -231,6 +233,7 @@ void FusedStep<Dim>::sort(const BackgroundGrid<Dim>& grid)
   for (std::size_t p = 0; p < count; ++p)
     order[first[cellOf[p]]++] = static_cast<std::uint32_t>(p);
   points_.reorder(order);
+  strays_ = 0;
   if (single_)
     pack(grid);
 }
@@ -409,8 +412,8 @@ void FusedStep<Dim>::settle(const BackgroundGrid<Dim>& to, double kick, bool who
   leaving_ = false;
   lost_ = false;
   bool outside = seen_.outside;
-  const bool astray =
-    seen_.far || static_cast<double>(seen_.strays) > sortAt<Dim> * static_cast<double>(points_.count());
+  strays_ += seen_.strays;
+  const bool astray = seen_.far || static_cast<double>(strays_) > sortAt<Dim> * static_cast<double>(points_.count());
   if (single_ && whole && (keep || outside || astray))
     unpack(to);
   bool cut = false;
@@ -523,6 +526,7 @@ void FusedStep<Dim>::keep(io::Checkpoint& checkpoint) const
   checkpoint.arrays["nodes"] = { { static_cast<std::int64_t>(nodes_.size()) / nodeValues, nodeValues }, nodes_, "SI",
     "mass and momentum of each node, as the points gave them" };
   checkpoint.numbers["kick"] = kick_;
+  checkpoint.numbers["strays"] = static_cast<double>(strays_);
   if (!past_.known())
     return;
   checkpoint.arrays["past nodes"] = { { static_cast<std::int64_t>(next_.size()) / nodeValues, nodeValues }, next_, "SI",
@@ -564,6 +568,7 @@ void FusedStep<Dim>::takeBack(const io::Checkpoint& checkpoint, const Background
   tiles_ = tiles;
   nodes_ = nodes;
   kick_ = checkpoint.number("kick");
+  strays_ = checkpoint.numbers.contains("strays") ? checkpoint.count("strays") : 0;
   grid_ = grid;
   held_ = true;
   const auto expected = static_cast<std::size_t>(bodies_.count * tilesOf(grid).count()) + 1;

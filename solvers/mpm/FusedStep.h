@@ -134,7 +134,8 @@ private:
     bool far = false;
     bool outside = false;
   };
-  Seen seen_; ///< by the last sweep
+  Seen seen_;               ///< by the last sweep
+  std::int64_t strays_ = 0; ///< of every step since points were sorted
   Looked looked_;
   bool leaving_ = false;
   bool lost_ = false;

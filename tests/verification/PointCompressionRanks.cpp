@@ -66,8 +66,8 @@ CompressionOptions<2> options(double strain)
 }
 
 /// Sums over ranks have another order, which walls that buckle make larger: 4e-14 was measured on 2 to 4 ranks. The
-/// strains are chosen so that the grid does not lose a row of cells just where one is asked for: round-off would say
-/// when.
+/// strains are chosen so that the grid does not lose a row of cells just where one is asked for, or after a step:
+/// round-off would say when. (It does at 49.25, 48.25 … cells; 0.21 in 40 halves of 21 steps would meet that.)
 void expectSame(const std::vector<CompressionRow>& rows, const std::vector<CompressionRow>& expected)
 {
   constexpr double tolerance = 1e-9;
@@ -88,9 +88,9 @@ void expectSame(const std::vector<CompressionRow>& rows, const std::vector<Compr
 
 TEST(PointCompressionRanks, TheSameCurve)
 {
-  PointCompression<2> all = tissue(everyone(), options(0.21));
+  PointCompression<2> all = tissue(everyone(), options(0.2113));
   ASSERT_TRUE(all.run());
-  PointCompression<2> one = tissue(alone(), options(0.21));
+  PointCompression<2> one = tissue(alone(), options(0.2113));
   ASSERT_TRUE(one.run());
   expectSame(all.rows(), one.rows()); // on every rank
   EXPECT_EQ(all.summary().steps, one.summary().steps);

@@ -264,7 +264,7 @@ struct Lanes
     return 1.0 / sqrt(a);
   }
   /// Natural logarithm to 2 units in the last place for positive, normal numbers.
-  friend Lanes log(Lanes a)
+  [[gnu::always_inline]] friend Lanes log(Lanes a)
   {
     if constexpr (single)
       return log(a.template as<double>()).template as<float>();
@@ -273,7 +273,7 @@ struct Lanes
   }
 
 private:
-  static Lanes logarithm(Lanes a)
+  [[gnu::always_inline]] static Lanes logarithm(Lanes a)
   {
     // a = 2^k m with m in [√½, √2)
     const I offset = I{} + 0x3fe6a09e667f3bcdLL; // √½

@@ -444,7 +444,10 @@ private:
     {
       take(chunk, p.x, p.v, p.affine, p.F);
       if (s_.look)
-        look(p);
+      {
+        const Moved copy = p; // whose address is known elsewhere: p itself may stay in registers
+        look(copy);
+      }
     }
     else
     {
