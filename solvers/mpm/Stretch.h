@@ -157,7 +157,7 @@ struct StretchInvariants
 /// three steps.
 /// @param F with det F > 0
 template <class Real>
-inline StretchInvariants<Real> stretchInvariants(const Matrix<3, Real>& F)
+[[gnu::always_inline]] inline StretchInvariants<Real> stretchInvariants(const Matrix<3, Real>& F)
 {
   StretchInvariants<Real> s;
   s.cofactor = cofactor(F);

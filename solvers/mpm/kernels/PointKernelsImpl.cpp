@@ -105,8 +105,8 @@ public:
   /// Whether a cell's first points begin its moments: in a plane zeros cost less than as much code again.
   static constexpr bool fresh = Dim == 3;
   /// Whether the stress is found of two chunks at once: its operations wait for each other, and those of the other
-  /// chunk fill the gaps. Short laws have none to fill.
-  static constexpr bool pairs = Dim == 3 && Whole && Law::kind != LawKind::NeoHookean;
+  /// chunk fill the gaps. Short laws have none to fill, and twice as many lanes no registers.
+  static constexpr bool pairs = Dim == 3 && Whole && !single && Law::kind != LawKind::NeoHookean;
   static constexpr double mostFinite = 1e38; ///< in both precisions
   static_assert(Law::history == 0);
 
@@ -203,10 +203,11 @@ private:
         fetchAhead(s_.cells[first].begin + done * Cells);
         Moved p;
         begin(chunkAt(first, present, done), p);
+        const Matrix<Dim, R> tau = stress(p);
         if (fresh && done == 0)
-          end<fresh>(p, stress(p));
+          end<fresh>(p, tau);
         else
-          end<false>(p, stress(p));
+          end<false>(p, tau);
       }
     giveCells(first, present);
   }
@@ -483,10 +484,20 @@ private:
         affine(c, b) = r.affine[b] * inverse_[0][b];
       }
     }
-    const unsigned strays = outsideCell(at) & present(chunk);
-    for (int l = 0; l < N && strays != 0; ++l)
-      if (strays >> l & 1U)
-        takeStray(l, x, v, affine, L);
+    if (const unsigned strays = outsideCell(at) & present(chunk); strays != 0)
+    {
+      Taken t{ {}, {}, affine, L };
+      for (int a = 0; a < Dim; ++a)
+      {
+        t.x[a] = x[a];
+        t.v[a] = v[a];
+      }
+      takeStrays(strays, t);
+      for (int a = 0; a < Dim; ++a)
+        v[a] = t.v[a];
+      affine = t.affine;
+      L = t.L;
+    }
 
     for (int a = 0; a < Dim; ++a)
     {
@@ -563,11 +574,21 @@ private:
     const unsigned here = present(chunk);
     const unsigned strays = outsideCell(at) & here;
     const typename R::I inside = R::where(here & ~strays);
-    for (int l = 0; l < N && strays != 0; ++l)
-      if (strays >> l & 1U)
-        giveStray(l, x, v, affine, tau, mass, impulse);
     if (strays != 0 || edge_)
-      report(at, here);
+    {
+      const CellPlace<R> places[3] = { at[0], at[1], at[2] };
+      report(places, here);
+    }
+    if (strays != 0)
+    {
+      Given g{ {}, {}, affine, tau, mass, impulse };
+      for (int a = 0; a < Dim; ++a)
+      {
+        g.x[a] = x[a];
+        g.v[a] = v[a];
+      }
+      giveStrays(strays, g);
+    }
     const R none(0.0);
     if (strays != 0 || here != (1U << N) - 1)
       for (int a = 0; a < 3; ++a)
@@ -619,6 +640,37 @@ private:
       there = there && coordinate[a] >= -0.5 && coordinate[a] < s_.axis[a].end;
     }
     return there;
+  }
+
+  // What strays take and give, as copies: a lane is a place in memory, and all else is to stay in registers.
+  struct Taken
+  {
+    R x[Dim];
+    R v[Dim];
+    Matrix<Dim, R> affine;
+    Matrix<Dim, R> L;
+  };
+  struct Given
+  {
+    R x[Dim];
+    R v[Dim];
+    Matrix<Dim, R> affine;
+    Matrix<Dim, R> tau;
+    R mass;
+    R impulse;
+  };
+
+  [[gnu::noinline]] void takeStrays(unsigned strays, Taken& t) const
+  {
+    for (int l = 0; l < N; ++l)
+      if (strays >> l & 1U)
+        takeStray(l, t.x, t.v, t.affine, t.L);
+  }
+  [[gnu::noinline]] void giveStrays(unsigned strays, const Given& g)
+  {
+    for (int l = 0; l < N; ++l)
+      if (strays >> l & 1U)
+        giveStray(l, g.x, g.v, g.affine, g.tau, g.mass, g.impulse);
   }
 
   void takeStray(int lane, const R* x, R* v, Matrix<Dim, R>& affine, Matrix<Dim, R>& L) const
@@ -689,7 +741,7 @@ private:
   }
 
   /// Notes points that have gone further than a cell, or near an end of the grid.
-  void report(const CellPlace<R>* at, unsigned here)
+  [[gnu::noinline, gnu::cold]] void report(const CellPlace<R>* at, unsigned here)
   {
     for (int a = 0; a < Dim; ++a)
     {
