@@ -17,9 +17,8 @@ namespace
 
 constexpr int tileRows = 8; // more than twice what a stray may be off, and the three rows of a spline
 constexpr std::size_t worthThreads = 2000;
-/// Strays since points were sorted last, one counted again in every step, over the points: when they are sorted again.
-/// What strays have cost by then is what sorting costs: some fifth of a stray's step a point in a plane, a tenth in
-/// space.
+/// Strays since points were sorted last, one counted again in every step, over the points: when they are sorted again,
+/// so that they have cost about what that does, however fast they come. Estimates from the times of runs.
 template <int Dim>
 constexpr double sortAt = Dim == 3 ? 0.1 : 0.2;
 constexpr std::int64_t cellsAtOnce = 256; // whose points' C is found together

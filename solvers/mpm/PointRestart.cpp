@@ -184,6 +184,8 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
     sum = checkpoint.number(name);
   };
   known("greatest stiffness", looked_.stiffestAt, looked_.stiffest);
+  if (!(looked_.stiffest > 0)) // of no points that there are: they are looked at
+    looked_.stiffestAt = -1;
   known("elastic energy", looked_.elasticAt, looked_.elastic);
   known("kinetic energy", looked_.kineticAt, looked_.kinetic);
   if (checkpoint.arrays.contains("wave"))
