@@ -66,12 +66,33 @@ hid_t memoryType(const CheckpointArray& array)
   return array.values.index() == 0 ? H5T_NATIVE_DOUBLE : H5T_NATIVE_INT64;
 }
 
+void writeColumns(hid_t set, hid_t space, const CheckpointArray& array)
+{
+  constexpr std::int64_t most = std::int64_t{ 1 } << 16;
+  const std::int64_t rows = array.shape.at(0);
+  const std::int64_t count = array.shape.at(1);
+  std::vector<double> values;
+  for (std::int64_t begin = 0; begin < count; begin += most)
+  {
+    const std::int64_t end = std::min(count, begin + most);
+    values.resize(static_cast<std::size_t>(rows * (end - begin)));
+    array.columns(begin, end, values);
+    const hsize_t start[2] = { 0, static_cast<hsize_t>(begin) };
+    const hsize_t size[2] = { static_cast<hsize_t>(rows), static_cast<hsize_t>(end - begin) };
+    good(H5Sselect_hyperslab(space, H5S_SELECT_SET, start, nullptr, size, nullptr));
+    const Handle memory(H5Screate_simple(2, size, nullptr), H5Sclose);
+    good(H5Dwrite(set, H5T_NATIVE_DOUBLE, memory, space, H5P_DEFAULT, values.data()));
+  }
+}
+
 void writeArray(hid_t file, const std::string& name, const CheckpointArray& array)
 {
   const std::vector<hsize_t> shape(array.shape.begin(), array.shape.end());
   const Handle space(H5Screate_simple(static_cast<int>(shape.size()), shape.data(), nullptr), H5Sclose);
   const hid_t stored = array.values.index() == 0 ? H5T_IEEE_F64LE : H5T_STD_I64LE;
   const Handle set(H5Dcreate2(file, name.c_str(), stored, space, H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT), H5Dclose);
+  if (array.columns)
+    writeColumns(set, space, array);
   std::visit(
     [&](const auto& values)
     {
@@ -313,6 +334,18 @@ const std::vector<double>& Checkpoint::reals(const std::string& name) const
 const std::vector<std::int64_t>& Checkpoint::integers(const std::string& name) const
 {
   return valuesOf<std::vector<std::int64_t>>(*this, name);
+}
+
+void Checkpoint::hold()
+{
+  for (auto& [name, array] : arrays)
+    if (array.columns)
+    {
+      std::vector<double> all(static_cast<std::size_t>(array.shape.at(0) * array.shape.at(1)));
+      array.columns(0, array.shape[1], all);
+      array.values = std::move(all);
+      array.columns = nullptr;
+    }
 }
 
 void replaceFile(const std::filesystem::path& path, Checkpoint checkpoint)

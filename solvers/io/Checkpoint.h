@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <map>
+#include <span>
 #include <string>
 #include <string_view>
 #include <variant>
@@ -21,6 +23,9 @@ struct CheckpointArray
   std::variant<std::vector<double>, std::vector<std::int64_t>> values; ///< as many as the shape has
   std::string unit;
   std::string description;
+  /// In place of the values of a large table of reals: gives all rows of the columns begin ≤ i < end, row by row, as
+  /// the file is put together, so that there is no copy beside it. What it looks at must stay as it is until then.
+  std::function<void(std::int64_t begin, std::int64_t end, std::span<double> values)> columns{};
 };
 
 struct Checkpoint
@@ -40,6 +45,8 @@ struct Checkpoint
   void expectFinite(const std::string& name) const;
   [[nodiscard]] const std::vector<double>& reals(const std::string& name) const;
   [[nodiscard]] const std::vector<std::int64_t>& integers(const std::string& name) const;
+  /// Asks for all that arrays have not asked for yet.
+  void hold();
 };
 
 /// Puts a checkpoint in the place of a file: it is written to a file beside it (core/PartFile.h) and brought to the

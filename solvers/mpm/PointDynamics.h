@@ -195,7 +195,8 @@ public:
 
   /// Puts all that goes on from one step to the next into a checkpoint, which changes nothing: a run that takes it back
   /// goes on as this one, to the last bit. Of several ranks rank 0's has the points, in the order of their numbers, and
-  /// it is to round-off that runs are the same; they may go on on another number of ranks.
+  /// it is to round-off that runs are the same; they may go on on another number of ranks. On one rank the points must
+  /// stay as they are until the checkpoint is written, or holds them (Checkpoint::hold()): they go into it from here.
   void keep(io::Checkpoint& checkpoint) const;
   /// Sorts its points by cells before the next step.
   void sortAnew();

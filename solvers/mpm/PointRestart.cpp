@@ -9,6 +9,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
+#include <span>
 
 namespace lamella::mpm
 {
@@ -23,25 +25,27 @@ template <int Dim>
 void PointDynamics<Dim>::keep(io::Checkpoint& checkpoint) const
 {
   const bool several = options_.comm.parallel();
-  const MaterialPoints<Dim> all = several ? gather() : MaterialPoints<Dim>();
-  const MaterialPoints<Dim>& points = several ? all : points_;
+  const auto all = several ? std::make_shared<const MaterialPoints<Dim>>(gather()) : nullptr;
+  const MaterialPoints<Dim>& points = several ? *all : points_;
   const auto count = static_cast<std::int64_t>(points.count());
-  std::vector<double> columns;
-  columns.reserve(points.count() * static_cast<std::size_t>(points.numbers()));
-  for (int n = 0; n < points.numbers(); ++n)
-    if (const int c = MaterialPoints<Dim>::columnOf(n); c >= 0)
-      columns.insert(columns.end(), points.column(c).begin(), points.column(c).end());
-    else
-      columns.resize(columns.size() + points.count());
-  for (std::size_t p = 0; p < points.count(); ++p)
-  {
-    const Matrix<Dim> c = several ? points.affine(p) : affine(p);
-    for (std::size_t i = 0; i < Dim * Dim; ++i)
-      columns[(2 * Dim + i) * points.count() + p] = c.m[i];
-  }
-  checkpoint.arrays["points"] = { { points.numbers(), count }, std::move(columns), "SI",
+  io::CheckpointArray& table = checkpoint.arrays["points"];
+  table = { { points.numbers(), count }, {}, "SI",
     "by component: position, velocity, gradient of velocity, deformation gradient, mass, initial volume, wall axis, "
     "history" };
+  table.columns = [this, all, &points](std::int64_t begin, std::int64_t end, std::span<double> values)
+  {
+    const auto first = static_cast<std::size_t>(begin);
+    const auto each = static_cast<std::size_t>(end - begin);
+    for (int n = 0; n < points.numbers(); ++n)
+      if (const int c = MaterialPoints<Dim>::columnOf(n); c >= 0)
+        std::copy_n(points.column(c).begin() + begin, each, values.begin() + n * (end - begin));
+    for (std::size_t p = 0; p < each; ++p)
+    {
+      const Matrix<Dim> c = all ? points.affine(first + p) : affine(first + p);
+      for (std::size_t i = 0; i < Dim * Dim; ++i)
+        values[(2 * Dim + i) * each + p] = c.m[i];
+    }
+  };
   checkpoint.arrays["phase"] = { { count }, std::vector<std::int64_t>(points.phase().begin(), points.phase().end()), "",
     "phase of each point" };
   checkpoint.arrays["id"] = { { count }, std::vector<std::int64_t>(points.id().begin(), points.id().end()), "",

@@ -8,6 +8,7 @@
 
 #include <cmath>
 #include <limits>
+#include <span>
 
 namespace
 {
@@ -55,6 +56,34 @@ TEST(Checkpoint, KeepsNumbersAndIsHdf5)
   EXPECT_EQ(values[2], 1e300);
   H5Dclose(set);
   H5Fclose(plain);
+}
+
+// More columns than are asked for at a time, so that the parts must come to lie where they belong.
+TEST(Checkpoint, AsksForColumnsAsItIsWritten)
+{
+  constexpr std::int64_t rows = 3;
+  constexpr std::int64_t count = 150001;
+  int parts = 0;
+  io::Checkpoint c;
+  c.arrays["table"] = { { rows, count }, {}, "m", "" };
+  c.arrays["table"].columns = [&](std::int64_t begin, std::int64_t end, std::span<double> values)
+  {
+    ++parts;
+    ASSERT_EQ(values.size(), static_cast<std::size_t>(rows * (end - begin)));
+    for (std::int64_t row = 0; row < rows; ++row)
+      for (std::int64_t i = begin; i < end; ++i)
+        values[static_cast<std::size_t>(row * (end - begin) + i - begin)] = static_cast<double>(row * count + i);
+  };
+  io::Checkpoint held = c;
+  held.hold();
+  const TemporaryFolder folder;
+  io::replaceFile(folder / "c.h5", c);
+  EXPECT_GT(parts, 2); // one of them for hold()
+  const io::Checkpoint back = io::readFile(folder / "c.h5");
+  EXPECT_EQ(back.reals("table"), held.reals("table"));
+  for (std::int64_t i = 0; i < rows * count; ++i)
+    ASSERT_EQ(back.reals("table")[static_cast<std::size_t>(i)], static_cast<double>(i));
+  EXPECT_EQ(back.arrays.at("table").shape, c.arrays.at("table").shape);
 }
 
 } // namespace

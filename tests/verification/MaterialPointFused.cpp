@@ -58,6 +58,7 @@ void lookAlike(LawKind law, int cells, int steps)
   EXPECT_NEAR(fused->stableStep(), plain->stableStep(), 1e-9 * plain->stableStep());
   lamella::io::Checkpoint kept;
   fused->keep(kept);
+  kept.hold();
   const auto again = shell<Dim>(law, Scene::Straight, true, cells);
   again->takeBack(kept);
   EXPECT_EQ(again->energies().elastic, found.elastic); // to the last bit
@@ -177,6 +178,7 @@ TEST(MaterialPointFused, GoesOnFromACheckpoint)
   change(*whole, 1);
   lamella::io::Checkpoint kept;
   whole->keep(kept);
+  kept.hold();
   lamella::io::Checkpoint older = kept;
   ASSERT_EQ(older.arrays.erase("past nodes") + older.arrays.erase("past grid"), 2U);
   const auto again = shell<2>(LawKind::Orthotropic, Scene::Periodic, true, 16);
@@ -203,6 +205,7 @@ TEST(MaterialPointFused, GoesOnFromOtherTiles)
   whole->advance(10);
   lamella::io::Checkpoint kept;
   whole->keep(kept);
+  kept.hold();
   auto& tiles = kept.arrays.at("stripes");
   auto& firsts = std::get<std::vector<std::int64_t>>(tiles.values);
   ASSERT_GT(firsts.size(), 5U); // more than one along both axes

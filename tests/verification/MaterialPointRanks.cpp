@@ -241,7 +241,9 @@ TEST(MaterialPointRanks, BodiesGoOnOnAnotherNumberOfRanks)
   io::Checkpoint ofAll;
   io::Checkpoint ofOne;
   all->keep(ofAll);
+  ofAll.hold();
   one->keep(ofOne);
+  ofOne.hold();
   all->takeBack(ofOne);
   if (everyone().rank() == 0)
     one->takeBack(ofAll);
@@ -340,7 +342,9 @@ TEST(MaterialPointRanks, GoesOnOnAnotherNumberOfRanks)
   io::Checkpoint ofAll;
   io::Checkpoint ofOne;
   all->keep(ofAll);
+  ofAll.hold();
   one->keep(ofOne);
+  ofOne.hold();
   all->takeBack(ofOne);
   if (everyone().rank() == 0)
     one->takeBack(ofAll);
