@@ -127,21 +127,28 @@ void EventHierarchy::build()
     std::make_unique<BondMultigrid>(bonds_, fixed_, multigridOptions(bonds_.dimension()), &levels_.front().change);
   multigrid_->shareOut(share_);
   levels_.front().change.fill(0);
-  for (std::size_t k = 0; k < multigrid_->levelCount(); ++k)
-    multigrid_->level(k).d.fill(0); // relax() counts on it
+  clearDirections();
   if (!first)
     return;
   while (levels_.size() < multigrid_->levelCount())
     levels_.emplace_back(multigrid_->level(levels_.size()).layout, true);
   inner_.resize(levels_.size());
   outer_.resize(levels_.size());
+  work_.resize(levels_.size());
+}
+
+void EventHierarchy::clearDirections()
+{
+  for (std::size_t k = 0; k < multigrid_->levelCount(); ++k)
+    multigrid_->level(k).d.fill(0); // relax() counts on it
 }
 
 std::int64_t EventHierarchy::bytes() const noexcept
 {
   std::int64_t total = multigrid_->bytes() + springs_.bytes() + slow_.bytes();
-  for (const NodeField<float>& f : work_)
-    total += f.components() * f.layout().count() * static_cast<std::int64_t>(sizeof(float));
+  for (const auto& fields : work_)
+    for (const NodeField<float>& f : fields)
+      total += f.components() * f.layout().count() * static_cast<std::int64_t>(sizeof(float));
   for (const EventLevel& level : levels_)
     total += (3 * level.g.components() + level.w.components()) * level.g.layout().count() *
       static_cast<std::int64_t>(sizeof(float));
@@ -160,16 +167,16 @@ Box EventHierarchy::shareBox(std::int64_t around) const
 }
 
 void EventHierarchy::maskRow(
-  NodeField<float>& field, std::int64_t y, std::int64_t z, std::int64_t x0, std::int64_t x1) const
+  const WindowField& field, std::int64_t y, std::int64_t z, std::int64_t x0, std::int64_t x1) const
 {
-  const NodeLayout& l = field.layout();
+  const NodeLayout& l = bonds_.layout();
   if (rowFixed_[static_cast<std::size_t>(y + l.size[1] * z)] == 0)
     return;
-  const std::int64_t i = l.index(0, y, z);
-  for (int c = 0; c < field.components(); ++c)
-    for (std::int64_t x = x0; x < std::min(x1, l.size[0]); ++x)
+  const std::int64_t i = l.index(x0, y, z);
+  for (int c = 0; c < l.dimension; ++c)
+    for (std::int64_t x = 0; x < std::min(x1, l.size[0]) - x0; ++x)
       if ((fixed_[i + x] >> c & 1U) != 0)
-        field.component(c)[i + x] = 0;
+        field.row(c, x0, y, z)[x] = 0;
 }
 
 void EventHierarchy::evaluate(std::size_t k, const Box& box)
@@ -205,14 +212,14 @@ void EventHierarchy::evaluateFrom(std::size_t k, const Box& box)
         for (std::int64_t cz = z / 2; cz <= (z + 1) / 2; ++cz)
           for (std::int64_t cy = y / 2; cy <= (y + 1) / 2; ++cy)
             rows[count++] = coarse.component(c) + coarse.layout().index(box.low[0] / 2, cy, cz);
-        levelKernels().interpolateRow(n, 1.0F / static_cast<float>(count), count, rows, to);
+        // fixed components have no part
+        const float* plus = part ? level.w.component(c) + i : nullptr;
+        levelKernels().interpolateRow(n, 1.0F / static_cast<float>(count), count, rows, plus, to);
       }
       if (last)
         return;
       if (k == 0)
-        maskRow(level.total, y, z, box.low[0], box.high[0]);
-      for (int c = 0; c < l.dimension && part; ++c)
-        levelKernels().axpy(n, 1.0F, level.w.component(c) + i, level.total.component(c) + i);
+        maskRow({ level.total }, y, z, box.low[0], box.high[0]);
       if (box.high[0] > l.size[0]) // the padding, which a coarse node at or beyond the last one reaches
         for (int c = 0; c < l.dimension; ++c)
           std::fill(level.total.component(c) + l.index(l.size[0], y, z), level.total.component(c) + i + n, 0.0F);
@@ -316,7 +323,7 @@ double EventHierarchy::inconsistency()
       for (std::int64_t i = 0; i < levels_[k].g.layout().count(); ++i)
         residual[k].component(c)[i] += levels_[k].g.component(c)[i];
     if (k == 0)
-      forRows(all, [&](std::int64_t y, std::int64_t z) { maskRow(residual[0], y, z, 0, all.high[0]); });
+      forRows(all, [&](std::int64_t y, std::int64_t z) { maskRow({ residual[0] }, y, z, 0, all.high[0]); });
   }
   double size = 0;
   double worst = 0;
@@ -359,9 +366,10 @@ void EventHierarchy::nest(const Box& box, int radius, int coarseRadius)
         centre.high[a] = centre.high[a] / 2 + 1;
       }
     inner_[k] = grown(centre, k == 0 ? radius : coarseRadius, l);
-    outer_[k] = grown(inner_[k], k == 0 ? bonds_.stencil().layers() : l.ghost, l);
+    outer_[k] = expanded(inner_[k], k == 0 ? bonds_.stencil().layers() : l.ghost, l);
     if (k > 0)
-      outer_[k] = united(outer_[k], parents(outer_[k - 1], l));
+      outer_[k] = united(outer_[k], parentsOf(outer_[k - 1], l));
+    outer_[k] = inVectors(outer_[k], l);
   }
 }
 

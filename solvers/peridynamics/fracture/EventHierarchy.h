@@ -134,15 +134,31 @@ private:
 
   void prepare();
   void build();
+  void clearDirections();
   void evaluate(std::size_t level, const Box& box);
   void evaluateFrom(std::size_t level, const Box& box); ///< where the next level's is known
   void nest(const Box& box, int radius, int coarseRadius);
   /// @param known the level's r is the residual of its window already
-  double relax(std::size_t level, int steps, bool known);
-  /// out = −A u on the rows of a box.
-  void product(std::size_t level, const Box& box, const WindowField& u, const WindowField& out);
-  void makeRoom();
-  void restrictChange(std::size_t level);
+  /// @param evaluated whether U_l is to stay known
+  double relax(std::size_t level, int steps, bool known, bool evaluated);
+  /// out = plus − A u on the rows of a box; plus may be null. Returns u·out.
+  double product(std::size_t level, const Box& box, const WindowField& u, const WindowField& out,
+    const NodeField<float>* plus = nullptr);
+  double packedProduct(
+    std::size_t level, const Box& box, const WindowField& u, const WindowField& out, const NodeField<float>* plus);
+  void makeRoom(std::size_t level);
+  /// Is the level's window so small that fields of its own pay?
+  [[nodiscard]] bool isSmall(std::size_t level) const;
+  WindowField changeOf(std::size_t level);
+  /// Residual, direction, product: 0, 1, 2.
+  WindowField work(std::size_t level, std::size_t which);
+  /// @param nextChange, nextResidual what else it is added to; null: nothing
+  void restrictChange(std::size_t level, const WindowField& change, const Box& box, const WindowField* nextChange,
+    const WindowField* nextResidual);
+  void restrictChange(std::size_t level); ///< all of it
+  /// Of the level's window. @param known the residual of the next level's, too
+  void restrictWindow(std::size_t level, bool known);
+  static void addForce(const Box& box, float a, const WindowField& force, const WindowField& to);
   void relaxCoarsest();
   void measureResidual();
   void learn(double size);
@@ -154,7 +170,7 @@ private:
   void move(float a, const NodeField<float>& p, std::int64_t y, std::int64_t z);
   /// u += a p over n nodes.
   static void addToBase(std::int64_t n, float a, const float* p, double* u);
-  void maskRow(NodeField<float>& field, std::int64_t y, std::int64_t z, std::int64_t x0, std::int64_t x1) const;
+  void maskRow(const WindowField& field, std::int64_t y, std::int64_t z, std::int64_t x0, std::int64_t x1) const;
   [[nodiscard]] double dot(const NodeField<float>& a, const NodeField<float>& b); ///< of the finest level
   [[nodiscard]] double freeNorm(const NodeField<float>& r);
   /// Of a row: the squares of what is not fixed.
@@ -194,9 +210,12 @@ private:
   std::vector<Box> outer_; ///< what their product reaches
   SpringWindow springs_;
   NodeField<float> motion_; ///< of a global correction that takes more than one iteration, where w₀ goes into the base
-  /// Residual, direction and product of a window on the finest level, where the hierarchy has none; with the reach of
-  /// bonds around it.
-  std::array<NodeField<float>, 3> work_;
+  /// Residual, direction, product and change of small windows, close together; with the reach of a product around. Not
+  /// where matrices are packed, whose scales lie as the level's fields do. The first three also where the level has
+  /// none.
+  std::vector<std::array<NodeField<float>, 4>> work_;
+  std::vector<std::int64_t> jumps_;           ///< of a product
+  std::vector<const std::uint8_t*> mirrored_; ///<
 };
 
 } // namespace lamella::peridynamics

@@ -1,6 +1,8 @@
 // Compiled once for every instruction set, with LAMELLA_KERNELS naming the table that it defines.
 #include "peridynamics/fracture/EventKernels.h"
 
+#include "peridynamics/kernels/Lanes.h"
+
 namespace lamella::peridynamics
 {
 namespace
@@ -21,41 +23,92 @@ void store(float* p, V v)
   *reinterpret_cast<AnyV*>(p) = v;
 }
 
-template <int Dim>
-void springsOf(std::int64_t n, const SpringRows& r)
+#ifdef __AVX512F__
+constexpr int wide = 16;
+#else
+constexpr int wide = eventLanes;
+#endif
+
+/// Calls f(x, vector) for the vectors of a row, wide ones as long as there is room.
+template <class F>
+void forVectors(std::int64_t n, F&& f)
 {
-  for (std::int64_t x = 0; x < n; x += eventLanes)
-  {
-    V u[Dim];
-    V f[Dim];
-    for (int c = 0; c < Dim; ++c)
-    {
-      u[c] = load(r.here[c] + x);
-      f[c] = V{};
-    }
-    for (int o = 0; o < r.count; ++o)
-    {
-      const std::int64_t jump = r.jump[o];
-      V ahead{};
-      V behind{};
-      for (int c = 0; c < Dim; ++c)
-      {
-        const float e = r.direction[c][o];
-        ahead += e * (load(r.here[c] + x + jump) - u[c]);
-        behind += e * (load(r.here[c] + x - jump) - u[c]);
-      }
-      const V t = load(r.spring[o] + x) * ahead + load(r.back[o] + x) * behind;
-      for (int c = 0; c < Dim; ++c)
-        f[c] += r.direction[c][o] * t;
-    }
-    for (int c = 0; c < Dim; ++c)
-      store(r.out[c] + x, f[c]);
-  }
+  std::int64_t x = 0;
+  for (; x + wide <= n; x += wide)
+    f(x, Vector<wide>{});
+  if constexpr (wide > eventLanes)
+    if (x < n)
+      f(x, Vector<eventLanes>{});
 }
 
-void springs(int dimension, std::int64_t n, const SpringRows& rows)
+/// The product on Parts vectors of Lanes nodes of a row. Returns u·out.
+template <int Dim, int Lanes, int Parts>
+auto springPart(const WindowRows& w, const SpringRows& s, std::int64_t row, std::int64_t x)
 {
-  dimension == 3 ? springsOf<3>(n, rows) : springsOf<2>(n, rows);
+  using N = Vector<Lanes>;
+  using L = typename N::V;
+  const float* here[Dim];
+  for (int c = 0; c < Dim; ++c)
+    here[c] = w.here[c] + row * w.hereRow + x;
+  const std::int64_t bond = row * s.springRow + x;
+  L u[Parts][Dim];
+  L f[Parts][Dim];
+  for (int part = 0; part < Parts; ++part)
+    for (int c = 0; c < Dim; ++c)
+    {
+      u[part][c] = N::load(here[c] + part * Lanes);
+      f[part][c] = w.plus[c] != nullptr ? N::load(w.plus[c] + row * w.plusRow + x + part * Lanes) : L{};
+    }
+  for (int o = 0; o < s.count; ++o)
+    for (int part = 0; part < Parts; ++part)
+    {
+      const std::int64_t at = part * Lanes;
+      L ahead{};
+      L behind{};
+      for (int c = 0; c < Dim; ++c)
+      {
+        const float e = s.direction[c][o];
+        ahead += e * (N::load(here[c] + at + w.jump[o]) - u[part][c]);
+        behind += e * (N::load(here[c] + at - w.jump[o]) - u[part][c]);
+      }
+      const L t = N::load(s.spring[o] + bond + at) * ahead + N::load(s.back[o] + bond + at) * behind;
+      for (int c = 0; c < Dim; ++c)
+        f[part][c] += s.direction[c][o] * t;
+    }
+  L sum{};
+  for (int part = 0; part < Parts; ++part)
+    for (int c = 0; c < Dim; ++c)
+    {
+      N::store(w.out[c] + row * w.outRow + x + part * Lanes, f[part][c]);
+      sum += f[part][c] * u[part][c];
+    }
+  return sum;
+}
+
+template <int Dim>
+double springsOf(const WindowRows& w, const SpringRows& s)
+{
+  InDouble sum;
+  for (std::int64_t row = 0; row < w.rows; ++row)
+  {
+    typename Vector<wide>::V many{};
+    V few{};
+    std::int64_t x = 0;
+    for (; x + 2 * wide <= w.n; x += 2 * wide)
+      many += springPart<Dim, wide, 2>(w, s, row, x);
+    for (; x + wide <= w.n; x += wide)
+      many += springPart<Dim, wide, 1>(w, s, row, x);
+    for (; x < w.n; x += eventLanes)
+      few += springPart<Dim, eventLanes, 1>(w, s, row, x);
+    sum.add(many);
+    sum.add(few);
+  }
+  return sum.total();
+}
+
+double springs(int dimension, const WindowRows& rows, const SpringRows& springs)
+{
+  return dimension == 3 ? springsOf<3>(rows, springs) : springsOf<2>(rows, springs);
 }
 
 // Sums over a row in single precision are good for steps of conjugate gradients; those of rows are added in double.
@@ -67,37 +120,104 @@ double total(V sums)
   return sum;
 }
 
-double precondition(int dimension, std::int64_t n, const float* const* inverse, const float* const* r, float* const* z)
+/// z = D⁻¹ r at a vector of nodes. Returns r·z.
+template <int Dim, class N>
+typename N::V invert(const float* const* inverse, std::int64_t at, const typename N::V* r, typename N::V* z)
 {
-  V sum{};
-  for (std::int64_t x = 0; x < n; x += eventLanes)
+  const auto m = [&](int e) { return N::load(inverse[e] + at); };
+  if constexpr (Dim == 2)
   {
-    const auto m = [&](int e) { return load(inverse[e] + x); };
-    const V u = load(r[0] + x);
-    const V v = load(r[1] + x);
-    V product;
-    if (dimension == 2)
-    {
-      const V a = m(0) * u + m(2) * v;
-      const V b = m(2) * u + m(1) * v;
-      store(z[0] + x, a);
-      store(z[1] + x, b);
-      product = a * u + b * v;
-    }
-    else
-    {
-      const V w = load(r[2] + x);
-      const V a = m(0) * u + m(3) * v + m(5) * w;
-      const V b = m(3) * u + m(1) * v + m(4) * w;
-      const V c = m(5) * u + m(4) * v + m(2) * w;
-      store(z[0] + x, a);
-      store(z[1] + x, b);
-      store(z[2] + x, c);
-      product = a * u + b * v + c * w;
-    }
-    sum += product;
+    z[0] = m(0) * r[0] + m(2) * r[1];
+    z[1] = m(2) * r[0] + m(1) * r[1];
+    return z[0] * r[0] + z[1] * r[1];
   }
-  return total(sum);
+  else
+  {
+    z[0] = m(0) * r[0] + m(3) * r[1] + m(5) * r[2];
+    z[1] = m(3) * r[0] + m(1) * r[1] + m(4) * r[2];
+    z[2] = m(5) * r[0] + m(4) * r[1] + m(2) * r[2];
+    return z[0] * r[0] + z[1] * r[1] + z[2] * r[2];
+  }
+}
+
+/// Of a step, or of none.
+template <int Dim, bool Step>
+double stepOf(const StepRows& s, float a)
+{
+  InDouble sum;
+  for (std::int64_t row = 0; row < s.rows; ++row)
+  {
+    typename Vector<wide>::V many{};
+    V few{};
+    forVectors(s.n,
+      [&]<class N>(std::int64_t x, N)
+      {
+        using L = typename N::V;
+        const std::int64_t work = row * s.workRow + x;
+        const std::int64_t level = row * s.levelRow + x;
+        L r[Dim];
+        L z[Dim];
+        for (int c = 0; c < Dim; ++c)
+        {
+          r[c] = N::load(s.r[c] + work);
+          if constexpr (Step)
+          {
+            const L by = a * N::load(s.p[c] + work);
+            for (const auto& moved : s.moved)
+              if (moved[c] != nullptr)
+                N::store(moved[c] + level, N::load(moved[c] + level) + by);
+            r[c] += a * N::load(s.q[c] + work);
+            N::store(s.r[c] + work, r[c]);
+          }
+        }
+        const L product = invert<Dim, N>(s.inverse, level, r, z);
+        for (int c = 0; c < Dim; ++c)
+          N::store((Step ? s.q[c] : s.p[c]) + work, z[c]);
+        if constexpr (sizeof(L) == sizeof(V))
+          few += product;
+        else
+          many += product;
+      });
+    sum.add(many);
+    sum.add(few);
+  }
+  return sum.total();
+}
+
+double precondition(int dimension, const StepRows& rows)
+{
+  return dimension == 3 ? stepOf<3, false>(rows, 0) : stepOf<2, false>(rows, 0);
+}
+
+double step(int dimension, const StepRows& rows, float a)
+{
+  return dimension == 3 ? stepOf<3, true>(rows, a) : stepOf<2, true>(rows, a);
+}
+
+void turn(int dimension, const StepRows& s, float b)
+{
+  for (std::int64_t row = 0; row < s.rows; ++row)
+    for (int c = 0; c < dimension; ++c)
+      forVectors(
+        s.n,
+        [&]<class N>(std::int64_t x, N)
+        {
+          float* p = s.p[c] + row * s.workRow + x;
+          N::store(p, N::load(s.q[c] + row * s.workRow + x) + b * N::load(p));
+        });
+}
+
+void addRows(
+  std::int64_t rows, std::int64_t n, float a, const float* from, std::int64_t fromRow, float* to, std::int64_t toRow)
+{
+  for (std::int64_t row = 0; row < rows; ++row)
+    forVectors(
+      n,
+      [&]<class N>(std::int64_t x, N)
+      {
+        float* at = to + row * toRow + x;
+        N::store(at, N::load(at) + a * N::load(from + row * fromRow + x));
+      });
 }
 
 double dot(std::int64_t n, const float* a, const float* b)
@@ -185,6 +305,6 @@ float stretch(const TileRows& rows)
 } // namespace
 
 extern const EventKernels LAMELLA_KERNELS;
-const EventKernels LAMELLA_KERNELS{ springs, precondition, dot, direction, select, stretch };
+const EventKernels LAMELLA_KERNELS{ springs, precondition, step, turn, addRows, dot, direction, select, stretch };
 
 } // namespace lamella::peridynamics

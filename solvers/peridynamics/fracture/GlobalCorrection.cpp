@@ -315,8 +315,7 @@ EventHierarchy::Reached EventHierarchy::correctGlobally(
     level.total.fill(0);
     level.change.fill(0);
   }
-  for (std::size_t k = 0; k < levels_.size(); ++k)
-    multigrid_->level(k).d.fill(0); // relax() counts on it
+  clearDirections();
   restrictAll();
   size_ = size;
   return { iterations, tolerance };

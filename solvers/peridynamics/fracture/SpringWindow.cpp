@@ -9,23 +9,41 @@ namespace
 
 constexpr std::size_t mostOffsets = 1100; // half of the bonds of a node in space, at a horizon of eight
 
+std::int64_t inLanes(std::int64_t nodes)
+{
+  return (nodes + eventLanes - 1) / eventLanes * eventLanes;
+}
+
 } // namespace
 
-Box grown(const Box& box, int by, const NodeLayout& layout)
+Box expanded(const Box& box, int by, const NodeLayout& layout)
 {
   Box b;
   for (std::size_t a = 0; a < 3; ++a)
   {
     const bool flat = a >= static_cast<std::size_t>(layout.dimension);
     b.low[a] = flat ? 0 : std::max<std::int64_t>(0, box.low[a] - by);
-    b.high[a] = flat ? 1 : std::min(layout.size[a], box.high[a] + by);
+    b.high[a] = flat ? 1 : std::min(a == 0 ? inLanes(layout.size[0]) : layout.size[a], box.high[a] + by);
   }
-  b.low[0] = b.low[0] / eventLanes * eventLanes;
-  b.high[0] = (b.high[0] + eventLanes - 1) / eventLanes * eventLanes;
   return b;
 }
 
-Box parents(const Box& fine, const NodeLayout& coarse)
+Box inVectors(const Box& box, const NodeLayout& layout)
+{
+  Box b = box;
+  const std::int64_t low = box.low[0] / 2 * 2;
+  const std::int64_t width = inLanes(box.high[0] - low);
+  b.low[0] = std::min(low, inLanes(layout.size[0]) - width);
+  b.high[0] = b.low[0] + width;
+  return b;
+}
+
+Box grown(const Box& box, int by, const NodeLayout& layout)
+{
+  return inVectors(expanded(box, by, layout), layout);
+}
+
+Box parentsOf(const Box& fine, const NodeLayout& coarse)
 {
   Box b;
   for (std::size_t a = 0; a < 3; ++a)
@@ -33,7 +51,12 @@ Box parents(const Box& fine, const NodeLayout& coarse)
     b.low[a] = fine.low[a] / 2;
     b.high[a] = std::min(coarse.size[a], fine.high[a] / 2 + 1);
   }
-  return grown(b, 0, coarse);
+  return b;
+}
+
+Box parents(const Box& fine, const NodeLayout& coarse)
+{
+  return inVectors(parentsOf(fine, coarse), coarse);
 }
 
 Box whole(const NodeLayout& l)
@@ -104,38 +127,25 @@ void SpringWindow::read(const BondLattice& bonds, const Box& box)
     });
 }
 
-void SpringWindow::product(
-  const WindowField& u, const WindowField& out, std::int64_t y, std::int64_t z, std::int64_t low, std::int64_t high)
+double SpringWindow::product(WindowRows rows, const NodeLayout& layout, const Box& part, std::int64_t z) const
 {
-  const NodeLayout& l = u.field.layout();
-  if (l.pitch != pitch_ || l.rowsY() != rowsY_)
-  {
-    pitch_ = l.pitch;
-    rowsY_ = l.rowsY();
-    jumps_.clear();
-    for (const auto& s : steps_)
-      jumps_.push_back(s[0] + pitch_ * (s[1] + rowsY_ * s[2]));
-  }
   const float* spring[mostOffsets];
   const float* back[mostOffsets];
-  SpringRows rows{};
-  rows.count = static_cast<int>(count_);
-  rows.jump = jumps_.data();
+  std::int64_t jump[mostOffsets];
+  const std::int64_t y = part.low[1];
+  const std::int64_t low = part.low[0];
   for (std::int64_t o = 0; o < count_; ++o)
   {
     const auto& s = steps_[static_cast<std::size_t>(o)];
     spring[o] = values_.data() + rowOf(y, z) + o * width_ + low - rows_.low[0];
     back[o] = values_.data() + rowOf(y - s[1], z - s[2]) + o * width_ + low - s[0] - rows_.low[0];
+    jump[o] = s[0] + layout.pitch * (s[1] + layout.rowsY() * s[2]);
   }
-  rows.spring = spring;
-  rows.back = back;
+  rows.jump = jump;
+  SpringRows springs{ static_cast<int>(count_), spring, back, rowOf(y + 1, z) - rowOf(y, z), {} };
   for (int c = 0; c < dimension_; ++c)
-  {
-    rows.here[c] = u.row(c, low, y, z);
-    rows.out[c] = out.row(c, low, y, z);
-    rows.direction[c] = directions_[static_cast<std::size_t>(c)].data();
-  }
-  eventKernels().springs(dimension_, high - low, rows);
+    springs.direction[c] = directions_[static_cast<std::size_t>(c)].data();
+  return eventKernels().springs(dimension_, rows, springs);
 }
 
 } // namespace lamella::peridynamics

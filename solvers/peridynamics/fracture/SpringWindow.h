@@ -23,11 +23,17 @@ struct Box
   }
 };
 
-/// Grown by some nodes on every side, along x to multiples of the lanes, and cut where the lattice ends; x may then
-/// reach into the padding, where all is zero.
+/// Grown by some nodes on every side, and cut where the lattice ends; along x where its last vector does.
+[[nodiscard]] Box expanded(const Box& box, int by, const NodeLayout& layout);
+/// Along x from an even node, for it is interpolated from pairs, over whole vectors; x may then reach into the padding,
+/// where all is zero.
+[[nodiscard]] Box inVectors(const Box& box, const NodeLayout& layout);
+/// Both.
 [[nodiscard]] Box grown(const Box& box, int by, const NodeLayout& layout);
 
 /// The coarse nodes from which a box of the finer level is interpolated.
+[[nodiscard]] Box parentsOf(const Box& fine, const NodeLayout& coarse);
+/// The same, in vectors.
 [[nodiscard]] Box parents(const Box& fine, const NodeLayout& coarse);
 /// All nodes.
 [[nodiscard]] Box whole(const NodeLayout& layout);
@@ -74,10 +80,10 @@ public:
 
   /// @param box nodes whose products will be asked for
   void read(const BondLattice& bonds, const Box& box);
-  /// out = −A u at the nodes low ≤ x < high of a row in the box.
-  /// @param u, out of the layout of `at`; what lies in the box is there
-  void product(
-    const WindowField& u, const WindowField& out, std::int64_t y, std::int64_t z, std::int64_t low, std::int64_t high);
+  /// out = plus − A u on the rows of layer z in a part of the box. Returns u·out.
+  /// @param rows all but the jumps
+  /// @param layout of u
+  double product(WindowRows rows, const NodeLayout& layout, const Box& part, std::int64_t z) const;
   [[nodiscard]] std::int64_t bytes() const noexcept
   {
     return static_cast<std::int64_t>(values_.capacity() * sizeof(float));
@@ -93,9 +99,6 @@ private:
   int reach_;
   std::int64_t count_; ///< bonds of the half stencil
   std::vector<std::array<int, 3>> steps_;
-  std::vector<std::int64_t> jumps_; ///< in the fields of the last product
-  std::int64_t pitch_ = 0;          ///< of these
-  std::int64_t rowsY_ = 0;          ///<
   std::array<std::vector<float>, 3> directions_;
   std::vector<std::vector<float>> tables_; ///< k/|ξ| by kind, of each bond of the stencil
   Box rows_;                               ///< what is written out

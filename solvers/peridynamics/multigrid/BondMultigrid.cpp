@@ -185,12 +185,15 @@ void BondMultigrid::balance(const MatrixRows& rows, Level& coarse)
     [&](std::int64_t y, std::int64_t z)
     {
       const std::int64_t i = l.index(0, y, z);
-      for (std::int64_t dz = -reachZ; dz <= reachZ; ++dz)
-        for (std::int64_t dy = -1; dy <= 1; ++dy)
-          if (2 * y + dy < f.size[1] && 2 * z + dz < f.size[2])
-            for (int e = 0; e < entries; ++e)
-              levelKernels().restrictRow(l.size[0], (dy == 0 ? 1.0F : 0.5F) * (dz == 0 ? 1.0F : 0.5F),
-                translation_.component(e) + f.index(0, 2 * y + dy, 2 * z + dz), sums.component(e) + i);
+      for (int e = 0; e < entries; ++e)
+      {
+        RestrictedRow row;
+        for (std::int64_t dz = -reachZ; dz <= reachZ; ++dz)
+          for (std::int64_t dy = -1; dy <= 1; ++dy)
+            if (2 * y + dy < f.size[1] && 2 * z + dz < f.size[2])
+              row.add(translation_.component(e) + f.index(0, 2 * y + dy, 2 * z + dz), dy, dz);
+        row.restrictTo(l.size[0], { sums.component(e) + i });
+      }
       for (int e = 0; e < entries; ++e)
       {
         float* to = coarse.diagonal.component(e) + i;
@@ -511,20 +514,21 @@ void BondMultigrid::restrictResidual(std::size_t index, NodeField<float>& residu
       {
         float* to = next.r.component(a) + out;
         std::fill_n(to, c.size[0], 0.0F);
+        RestrictedRow row;
         for (std::int64_t dz = lowZ; dz <= highZ; ++dz)
           for (std::int64_t dy = lowY; dy <= highY; ++dy)
           {
             if (2 * y + dy >= l.size[1] + l.ghost || 2 * z + dz >= l.size[2] + l.ghostZ())
               continue;
-            const float weight = (dy == 0 ? 1.0F : 0.5F) * (dz == 0 ? 1.0F : 0.5F);
             const float* from = residual.component(a) + l.index(0, 2 * y + dy, 2 * z + dz);
-            levelKernels().restrictRow(c.size[0], weight, from, to);
+            const float weight = row.add(from, dy, dz);
             if (folded[0])
             {
               to[0] += 0.5F * weight * from[-2];
               to[c.size[0] - 1] += 0.5F * weight * from[l.size[0] - 1];
             }
           }
+        row.restrictTo(c.size[0], { to });
       }
     });
   if (parts && !next.shared)
@@ -548,7 +552,7 @@ void BondMultigrid::interpolate(std::size_t index)
     [&](std::int64_t y, std::int64_t z)
     {
       thread_local std::vector<float> step;
-      if (!kept)
+      if (!kept && folded[0])
         step.resize(static_cast<std::size_t>(l.size[0]));
       const std::int64_t atY = position(1, y);
       const std::int64_t atZ = position(2, z);
@@ -560,12 +564,18 @@ void BondMultigrid::interpolate(std::size_t index)
           for (std::int64_t cy = atY / 2; cy <= (atY + 1) / 2; ++cy)
             rows[count++] = next.x.component(a) + c.index(0, cy, cz);
         const std::int64_t i = l.index(0, y, z);
+        float* x = level.x.component(a) + i;
+        const float weight = 1.0F / static_cast<float>(count);
+        if (!kept && !folded[0])
+        {
+          levelKernels().interpolateRow(l.size[0], weight, count, rows, x, x);
+          continue;
+        }
         float* d = kept ? level.d.component(a) + i : step.data();
-        levelKernels().interpolateRow(
-          l.size[0] - (folded[0] ? 1 : 0), 1.0F / static_cast<float>(count), count, rows, d);
+        levelKernels().interpolateRow(l.size[0] - (folded[0] ? 1 : 0), weight, count, rows, nullptr, d);
         if (folded[0])
           d[l.size[0] - 1] = d[l.size[0] - 2];
-        levelKernels().axpy(l.size[0], 1.0F, d, level.x.component(a) + i);
+        levelKernels().axpy(l.size[0], 1.0F, d, x);
       }
     });
   if (index == 0)

@@ -81,17 +81,22 @@ void Level::findJumps()
           mirrored_.push_back(!tight_ || (s[1] <= before && -s[1] <= after && s[2] <= z) ? 1 : 0);
 }
 
+const std::uint8_t* Level::mirrored(std::int64_t y, std::int64_t z) const noexcept
+{
+  const std::int64_t g = layout.ghost;
+  const std::int64_t before = std::clamp<std::int64_t>(y, 0, g);
+  const std::int64_t after = std::clamp<std::int64_t>(layout.size[1] - 1 - y, 0, g);
+  const std::int64_t below = std::clamp<std::int64_t>(z, 0, layout.ghostZ());
+  return mirrored_.data() + (before + (g + 1) * (after + (g + 1) * below)) * static_cast<std::int64_t>(half.size());
+}
+
 void Level::pointTo(BlockRow& row, std::int64_t index) const noexcept
 {
   const std::array<std::int64_t, 3> node = layout.node(index);
-  const std::int64_t g = layout.ghost;
-  const std::int64_t before = std::clamp<std::int64_t>(node[1], 0, g);
-  const std::int64_t after = std::clamp<std::int64_t>(layout.size[1] - 1 - node[1], 0, g);
-  const std::int64_t below = std::clamp<std::int64_t>(node[2], 0, layout.ghostZ());
   row.half = static_cast<int>(half.size());
   row.jump = jumps_.data();
   row.back = backJumps_.data();
-  row.mirrored = mirrored_.data() + (before + (g + 1) * (after + (g + 1) * below)) * row.half;
+  row.mirrored = mirrored(node[1], node[2]);
   const bool ordered = values_.size() > 0 || packed();
   row.blockStride = entries() * (ordered ? pitch_ : layout.count());
   row.nextRow = ordered ? components() * pitch_ : layout.pitch;

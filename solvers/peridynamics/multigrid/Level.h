@@ -11,6 +11,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <initializer_list>
 #include <vector>
 
 namespace lamella::peridynamics
@@ -103,6 +104,8 @@ struct Level
   }
   /// Fills in all but the fields: for a row that begins at a position.
   void pointTo(BlockRow& row, std::int64_t index) const noexcept;
+  /// That row's `mirrored`.
+  [[nodiscard]] const std::uint8_t* mirrored(std::int64_t y, std::int64_t z) const noexcept;
   [[nodiscard]] int entries() const noexcept { return blockEntries(layout.dimension); }
   [[nodiscard]] std::int64_t bytes() const noexcept;
 
@@ -188,6 +191,33 @@ void forOwnRows(const Level& level, F&& f)
   else
     forOwnRows(level.layout, f);
 }
+
+/// A coarse row that is restricted from the fine rows beside it.
+class RestrictedRow
+{
+public:
+  /// @param fine at twice the coarse row's first node
+  /// @param dy, dz steps to the fine row, along y and z
+  /// @return its weight
+  float add(const float* fine, std::int64_t dy, std::int64_t dz) noexcept
+  {
+    const auto i = static_cast<std::size_t>(count_++);
+    fine_[i] = fine;
+    return weights_[i] = (dy == 0 ? 1.0F : 0.5F) * (dz == 0 ? 1.0F : 0.5F);
+  }
+  /// Adds to n nodes of each field.
+  void restrictTo(std::int64_t n, std::initializer_list<float*> fields) const
+  {
+    levelKernels().restrictRows(
+      n, count_, weights_.data(), fine_.data(), static_cast<int>(fields.size()), fields.begin());
+  }
+
+private:
+  static constexpr std::size_t most = 25; // where sides that fold are two rows away
+  int count_ = 0;
+  std::array<float, most> weights_;
+  std::array<const float*, most> fine_;
+};
 
 /// out −= A x on own nodes; the rim of x must be up to date.
 void subtractProduct(const Level& level, const NodeField<float>& x, NodeField<float>& out);

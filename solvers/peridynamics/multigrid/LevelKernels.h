@@ -29,18 +29,39 @@ struct BlockRow
   float* out[3];                 ///<
 };
 
+/// Rows of a product, with the fields' first node and the way from a row to the next; widths are multiples of eight.
+struct WindowRows
+{
+  std::int64_t rows = 0;
+  std::int64_t n = 0;
+  const float* here[3]{};     ///< of the field
+  std::int64_t hereRow = 0;   ///<
+  const std::int64_t* jump{}; ///< from a node to its neighbours, in the field
+  const float* plus[3]{};     ///< what the product is taken off; null: nothing
+  std::int64_t plusRow = 0;   ///<
+  float* out[3]{};            ///<
+  std::int64_t outRow = 0;    ///<
+};
+
 struct LevelKernels
 {
+  /// out = plus − A x on the rows of a window, by the first row's matrix. Returns x·out, rows added up in double
+  /// precision. @param mirrored of each row
+  double (*window)(int dimension, const WindowRows& rows, const BlockRow& matrix, std::int64_t diagonalRow,
+    const std::uint8_t* const* mirrored);
   /// out −= A x over n nodes; up to seven values after them are read, and written as they are.
   void (*subtractProduct)(int dimension, std::int64_t n, const BlockRow& row);
   /// d = a d + b D⁻¹ r; x += d. `inverse` holds the entries of D⁻¹. With a = 0 what d and, if `first`, x hold is not
   /// read.
   void (*chebyshev)(int dimension, std::int64_t n, float a, float b, const float* const* inverse, const float* const* r,
     float* const* d, float* const* x, bool first);
-  /// out[X] += w (½ v[2X − 1] + v[2X] + ½ v[2X + 1]), n coarse nodes.
-  void (*restrictRow)(std::int64_t n, float w, const float* v, float* out);
-  /// v[2X] = c[X], v[2X + 1] = ½ (c[X] + c[X + 1]), n fine nodes, with c = w (c₀ + … ) the sum of `rows` coarse rows.
-  void (*interpolateRow)(std::int64_t n, float w, int rows, const float* const* coarse, float* v);
+  /// out[X] += Σ w (½ v[2X − 1] + v[2X] + ½ v[2X + 1]), n coarse nodes, the sum being over fine rows v with weights w,
+  /// in each of some fields. What lies up to sixteen nodes beyond the rows is read.
+  void (*restrictRows)(
+    std::int64_t n, int rows, const float* weights, const float* const* fine, int fields, float* const* out);
+  /// v[2X] = c[X], v[2X + 1] = ½ (c[X] + c[X + 1]), n fine nodes, with c = w (c₀ + … ) the sum of `rows` coarse rows,
+  /// and what `plus` has, unless it is null. What lies up to eight nodes beyond the rows is read.
+  void (*interpolateRow)(std::int64_t n, float w, int rows, const float* const* coarse, const float* plus, float* v);
   /// w[i] += a k[i].
   void (*axpy)(std::int64_t n, float a, const float* k, float* w);
 

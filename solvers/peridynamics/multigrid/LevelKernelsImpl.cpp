@@ -1,4 +1,5 @@
 // Compiled once for every instruction set, with LAMELLA_KERNELS naming the table that it defines.
+#include "peridynamics/kernels/Lanes.h"
 #include "peridynamics/multigrid/LevelKernels.h"
 
 #include <algorithm>
@@ -14,8 +15,6 @@ namespace lamella::peridynamics
 namespace
 {
 
-constexpr std::int64_t strip = 128; // nodes whose sums stay in the first cache while the neighbours pass
-
 // Eight values whatever the registers: most levels are narrow.
 constexpr int lanes = 8;
 using V __attribute__((vector_size(4 * lanes))) = float;
@@ -27,8 +26,8 @@ V load(const float* p)
 }
 
 /// Component c of a symmetric block, whose entry e is at block[e], times a vector.
-template <int Dim>
-V times(int c, const V* block, const V* x)
+template <int Dim, class L>
+L times(int c, const L* block, const L* x)
 {
   if constexpr (Dim == 2)
     return c == 0 ? block[0] * x[0] + block[2] * x[1] : block[2] * x[0] + block[1] * x[1];
@@ -38,58 +37,116 @@ V times(int c, const V* block, const V* x)
                   : block[5] * x[0] + block[4] * x[1] + block[2] * x[2];
 }
 
-/// The sums of `Parts` vectors of nodes stay in registers while the neighbours pass.
-template <int Dim, int Parts>
-void subtractPart(std::int64_t at, const BlockRow& r)
+#ifdef __AVX512F__
+constexpr int wide = 16;
+#else
+constexpr int wide = lanes;
+#endif
+
+/// The product on Parts vectors of Lanes nodes of a row. Returns x·out.
+template <int Dim, int Lanes, int Parts>
+auto blockPart(const WindowRows& w, const BlockRow& r, std::int64_t row, std::int64_t x, std::int64_t diagonalRow,
+  const std::uint8_t* mirrored)
 {
+  using N = Vector<Lanes>;
+  using L = typename N::V;
   constexpr int entries = blockEntries(Dim);
-  V ahead[Parts][Dim];
-  V behind[Parts][Dim];
-  const auto add = [&](V(&sum)[Dim], const float* const* blocks, std::int64_t shift, std::int64_t jump, std::int64_t i)
+  L ahead[Parts][Dim]{};
+  L behind[Parts][Dim]{};
+  const float* here[Dim];
+  for (int c = 0; c < Dim; ++c)
+    here[c] = w.here[c] + row * w.hereRow + x;
+  const float* diagonal[entries];
+  for (int e = 0; e < entries; ++e)
+    diagonal[e] = r.diagonal[e] + row * diagonalRow + x;
+  const std::int64_t entry = r.blockStride / entries;
+  const auto add = [&](L(&sum)[Dim], const auto& blockAt, std::int64_t jump)
   {
-    V block[entries];
-    V x[Dim];
+    L block[entries];
+    L u[Dim];
     for (int e = 0; e < entries; ++e)
-      block[e] = load(blocks[e] + shift + i);
+      block[e] = N::load(blockAt(e));
     for (int c = 0; c < Dim; ++c)
-      x[c] = load(r.here[c] + jump + i);
+      u[c] = N::load(here[c] + jump);
     for (int c = 0; c < Dim; ++c)
-      sum[c] += times<Dim>(c, block, x);
+      sum[c] += times<Dim>(c, block, u);
   };
   for (int part = 0; part < Parts; ++part)
-    for (int c = 0; c < Dim; ++c)
-      ahead[part][c] = behind[part][c] = V{};
-  for (int part = 0; part < Parts; ++part)
-    add(ahead[part], r.diagonal, 0, 0, at + part * lanes);
-  for (int q = 0; q < r.half; ++q)
+    add(
+      ahead[part], [&](int e) { return diagonal[e] + part * Lanes; }, part * Lanes);
+  const float* block = r.block[0] + row * r.nextRow + x;
+  for (int q = 0; q < r.half; ++q, block += r.blockStride)
   {
     for (int e = 0; e < entries; ++e) // the streams are many and short: the processor does not see them coming
-      __builtin_prefetch(r.block[e] + q * r.blockStride + at + r.nextRow, 0, 2);
+      __builtin_prefetch(block + e * entry + r.nextRow, 0, 2);
     for (int part = 0; part < Parts; ++part)
     {
-      add(ahead[part], r.block, q * r.blockStride, r.jump[q], at + part * lanes);
-      if (r.mirrored[q] != 0)
-        add(behind[part], r.block, q * r.blockStride - r.back[q], -r.jump[q], at + part * lanes);
+      add(
+        ahead[part], [&](int e) { return block + e * entry + part * Lanes; }, w.jump[q] + part * Lanes);
+      if (mirrored[q] != 0)
+        add(
+          behind[part], [&](int e) { return block - r.back[q] + e * entry + part * Lanes; }, part * Lanes - w.jump[q]);
     }
   }
+  L sum{};
   for (int part = 0; part < Parts; ++part)
     for (int c = 0; c < Dim; ++c)
     {
-      float* out = r.out[c] + at + part * lanes;
-      *reinterpret_cast<AnyV*>(out) = load(out) - (ahead[part][c] + behind[part][c]);
+      const std::int64_t at = x + part * Lanes;
+      const L plus = w.plus[c] != nullptr ? N::load(w.plus[c] + row * w.plusRow + at) : L{};
+      const L out = plus - (ahead[part][c] + behind[part][c]);
+      N::store(w.out[c] + row * w.outRow + at, out);
+      sum += out * N::load(here[c] + part * Lanes);
     }
+  return sum;
 }
 
-// Past the last node of a row there is padding, where matrices are zero.
+template <int Dim>
+double windowOf(const WindowRows& w, const BlockRow& r, std::int64_t diagonalRow, const std::uint8_t* const* mirrored)
+{
+  InDouble sum;
+  for (std::int64_t row = 0; row < w.rows; ++row)
+  {
+    typename Vector<wide>::V many{};
+    V few{};
+    std::int64_t x = 0;
+    for (; x + 2 * wide <= w.n; x += 2 * wide)
+      many += blockPart<Dim, wide, 2>(w, r, row, x, diagonalRow, mirrored[row]);
+    for (; x + wide <= w.n; x += wide)
+      many += blockPart<Dim, wide, 1>(w, r, row, x, diagonalRow, mirrored[row]);
+    for (; x < w.n; x += lanes)
+      few += blockPart<Dim, lanes, 1>(w, r, row, x, diagonalRow, mirrored[row]);
+    sum.add(many);
+    sum.add(few);
+  }
+  return sum.total();
+}
+
+/// One row. Past its last node there is padding, where matrices are zero.
 template <int Dim>
 void subtract(std::int64_t n, const BlockRow& r)
 {
-  constexpr int parts = Dim == 2 ? 2 : 1;
-  std::int64_t i = 0;
-  for (; i + (parts - 1) * lanes < n; i += parts * lanes)
-    subtractPart<Dim, parts>(i, r);
-  for (; i < n; i += lanes)
-    subtractPart<Dim, 1>(i, r);
+  WindowRows w;
+  w.jump = r.jump;
+  for (int c = 0; c < Dim; ++c)
+  {
+    w.here[c] = r.here[c];
+    w.plus[c] = w.out[c] = r.out[c];
+  }
+  std::int64_t x = 0;
+  for (; x + 2 * wide - lanes < n; x += 2 * wide)
+    blockPart<Dim, wide, 2>(w, r, 0, x, 0, r.mirrored);
+  for (; x + wide - lanes < n; x += wide)
+    blockPart<Dim, wide, 1>(w, r, 0, x, 0, r.mirrored);
+  for (; x < n; x += lanes)
+    blockPart<Dim, lanes, 1>(w, r, 0, x, 0, r.mirrored);
+}
+
+double window(int dimension, const WindowRows& rows, const BlockRow& matrix, std::int64_t diagonalRow,
+  const std::uint8_t* const* mirrored)
+{
+  return dimension == 3 ? windowOf<3>(rows, matrix, diagonalRow, mirrored)
+                        : windowOf<2>(rows, matrix, diagonalRow, mirrored);
 }
 
 using Short __attribute__((vector_size(2 * lanes), aligned(2), may_alias)) = std::int16_t; // at any address
@@ -226,40 +283,57 @@ void chebyshev(int dimension, std::int64_t n, float a, float b, const float* con
   finish(2, [=](std::int64_t i) { return b * (xz[i] * u[i] + yz[i] * v[i] + zz[i] * w[i]); });
 }
 
-void restrictRow(std::int64_t n, float w, const float* v, float* out)
+void restrictRows(
+  std::int64_t n, int rows, const float* weights, const float* const* fine, int fields, float* const* out)
 {
-  LAMELLA_SIMD
-  for (std::int64_t i = 0; i < n; ++i)
-    out[i] += w * (v[2 * i] + 0.5F * (v[2 * i - 1] + v[2 * i + 1]));
-}
-
-void interpolateRow(std::int64_t n, float w, int rows, const float* const* coarse, float* v)
-{
-  float sum[strip + 1];
-  const std::int64_t pairs = (n + 1) / 2;
-  for (std::int64_t begin = 0; begin < pairs; begin += strip)
+  for (std::int64_t i = 0; i < n; i += lanes)
   {
-    const std::int64_t count = std::min(strip, pairs - begin);
+    V first{}; // of the fine nodes 2i and on
+    V second{};
     for (int r = 0; r < rows; ++r)
     {
-      const float* c = coarse[r] + begin;
-      if (r == 0)
-        for (std::int64_t i = 0; i <= count; ++i)
-          sum[i] = w * c[i];
-      else
-        for (std::int64_t i = 0; i <= count; ++i)
-          sum[i] += w * c[i];
+      const float* v = fine[r] + 2 * i;
+      first += weights[r] * (load(v) + 0.5F * (load(v - 1) + load(v + 1)));
+      second += weights[r] * (load(v + lanes) + 0.5F * (load(v + lanes - 1) + load(v + lanes + 1)));
     }
-    float* to = v + 2 * begin;
-    const std::int64_t whole = 2 * (begin + count) <= n ? count : count - 1;
-    LAMELLA_SIMD
-    for (std::int64_t i = 0; i < whole; ++i)
+    const V sum = __builtin_shufflevector(first, second, 0, 2, 4, 6, 8, 10, 12, 14);
+    for (int f = 0; f < fields; ++f)
     {
-      to[2 * i] = sum[i];
-      to[2 * i + 1] = 0.5F * (sum[i] + sum[i + 1]);
+      float* to = out[f] + i;
+      if (i + lanes <= n)
+        *reinterpret_cast<AnyV*>(to) = load(to) + sum;
+      else
+        for (std::int64_t k = 0; k < n - i; ++k)
+          to[k] += sum[k];
     }
-    if (whole < count)
-      to[2 * whole] = sum[whole];
+  }
+}
+
+void interpolateRow(std::int64_t n, float w, int rows, const float* const* coarse, const float* plus, float* v)
+{
+  for (std::int64_t i = 0; i < n; i += 2 * lanes)
+  {
+    V here{}; // of the coarse nodes i/2 and on
+    V next{};
+    for (int r = 0; r < rows; ++r)
+    {
+      here += load(coarse[r] + i / 2);
+      next += load(coarse[r] + i / 2 + 1);
+    }
+    here *= w;
+    next = 0.5F * (here + w * next);
+    const V low = __builtin_shufflevector(here, next, 0, 8, 1, 9, 2, 10, 3, 11);
+    const V high = __builtin_shufflevector(here, next, 4, 12, 5, 13, 6, 14, 7, 15);
+    const auto put = [&](std::int64_t at, V values)
+    {
+      if (at + lanes <= n)
+        *reinterpret_cast<AnyV*>(v + at) = plus != nullptr ? load(plus + at) + values : values;
+      else
+        for (std::int64_t k = 0; k < n - at; ++k)
+          v[at + k] = plus != nullptr ? plus[at + k] + values[k] : values[k];
+    };
+    put(i, low);
+    put(i + lanes, high);
   }
 }
 
@@ -313,7 +387,7 @@ void toFloat(std::int64_t n, double scale, const double* a, float* b)
 } // namespace
 
 extern const LevelKernels LAMELLA_KERNELS;
-const LevelKernels LAMELLA_KERNELS{ subtractProduct, chebyshev, restrictRow, interpolateRow, axpy, dot, dotMixed,
-  axpyDouble, direction, toFloat };
+const LevelKernels LAMELLA_KERNELS{ window, subtractProduct, chebyshev, restrictRows, interpolateRow, axpy, dot,
+  dotMixed, axpyDouble, direction, toFloat };
 
 } // namespace lamella::peridynamics
