@@ -51,6 +51,8 @@ public:
   /// Stretch along a plane's third direction that belongs to F: det F times it is the volume over that at the start. 1
   /// of elastic laws, and in space.
   [[nodiscard]] virtual double thirdStretch(const double* history = nullptr) const = 0;
+  /// Equivalent plastic strain, all that has flowed added up; 0 of elastic laws.
+  [[nodiscard]] virtual double plasticStrain(const double* history = nullptr) const = 0;
   /// Elastic energy over initial volume [J/m³].
   [[nodiscard]] virtual double energy(
     std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history = nullptr) const = 0;
@@ -104,6 +106,13 @@ public:
       return Law::thirdStretch(history);
     else
       return 1;
+  }
+  [[nodiscard]] double plasticStrain([[maybe_unused]] const double* history) const override
+  {
+    if constexpr (Law::history > 0)
+      return history[Law::plasticStrain];
+    else
+      return 0;
   }
   [[nodiscard]] double energy(std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis,
     [[maybe_unused]] const double* history) const override

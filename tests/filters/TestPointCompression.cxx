@@ -264,10 +264,12 @@ TEST_F(Points, BlockThatYieldsKeepsItsVolumeAndItsStress)
   filter->SetDamping(0.2); // what swings would be a few per cent of the force
   filter->ComputeStressOn();
   filter->ComputeDeformationGradientOn();
+  filter->ComputePlasticStrainOn();
   ASSERT_EQ(errorOf(filter), "");
   vtkPolyData* const end = filter->GetPoints();
   double mean = 0;
   double meanMises = 0;
+  double flowed = 0;
   for (vtkIdType i = 0; i < end->GetNumberOfPoints(); ++i)
   {
     const auto f = [&](int c) { return array(end, "deformation_gradient")->GetComponent(i, c); };
@@ -275,7 +277,17 @@ TEST_F(Points, BlockThatYieldsKeepsItsVolumeAndItsStress)
     meanMises += vonMises(end, i) * volume / static_cast<double>(end->GetNumberOfPoints());
     mean += array(end, "stress")->GetComponent(i, 1) / static_cast<double>(end->GetNumberOfPoints());
     ASSERT_LT(vonMises(end, i) * volume, yield * (1 + 1e-9));
+    flowed += array(end, "plastic_strain")->GetTuple1(i) / static_cast<double>(end->GetNumberOfPoints());
   }
+  // of logarithms, pressed to 0.7 of the height, with the elastic change of volume (2 yield/√3 bears, nothing pushes
+  // from the sides): what the equivalent strain is more than the elastic one's
+  const double pressed = std::log(1 / 0.7);
+  const double shrunk = -yield / std::sqrt(3) / (7.2e9 / (3 * (1 - 2 * 0.3)));
+  const std::array<double, 3> strain{ shrunk + pressed, -pressed, 0 };
+  double squares = 0;
+  for (const double e : strain)
+    squares += (e - shrunk / 3) * (e - shrunk / 3);
+  EXPECT_NEAR(flowed / (std::sqrt(2 * squares / 3) - yield / (3 * 7.2e9 / 2.6)), 1, 0.02);
   EXPECT_NEAR(meanMises / yield, 1, 1e-9);
   vtkTable* const curve = filter->GetCurve();
   // the force is a mean over the last half row, in which the width grows by 0.5 %

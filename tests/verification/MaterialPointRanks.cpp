@@ -279,6 +279,32 @@ TEST(MaterialPointRanks, BarThatYields)
     100, 1e-10, true);
 }
 
+TEST(MaterialPointRanks, BlockThatYieldsAlongItsAxis)
+{
+  expectSame<3>(
+    [](const Communicator& comm)
+    {
+      PointDynamicsOptions<3> options;
+      options.spacing = 1;
+      options.sides[0] = { straightAt(0), straightAt(6) };
+      options.sides[1] = { wallAt(0), wallAt(18, -0.1) };
+      options.sides[2] = { straightAt(0), straightAt(5) };
+      options.comm = comm;
+      MaterialPoints<3> points = filled<3>(
+        { 6, 18, 5 }, 1, 2, 1, [](const Place<3>&) { return true; }, Hill::history);
+      for (std::size_t p = 0; p < points.count(); ++p)
+      {
+        points.column(MaterialPoints<3>::axes)[p] = 0.6;
+        points.column(MaterialPoints<3>::axes + 1)[p] = 0.8;
+        points.column(MaterialPoints<3>::axes + 2)[p] = 0;
+      }
+      const OrthotropicPlasticMaterial wall{ { 4, 1, 0.3, 0.3 }, 4e-3, 2e-3, {}, 0.1 };
+      return std::make_unique<PointDynamics<3>>(
+        shareOf(points, comm), makeLaw<3, Hill>({ hillConstants(wall) }), options);
+    },
+    60, 1e-10, true);
+}
+
 /// Walls two cells thick around lumens of 9 × 4, between platens, with straight sides; all points given by rank 0.
 std::unique_ptr<PointDynamics<2>> tissue(const Communicator& comm)
 {

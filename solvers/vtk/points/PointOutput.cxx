@@ -59,6 +59,7 @@ struct StateColumns
     , stress(newArray<vtkDoubleArray>("stress", 6, arrays.stress ? count : 0))
     , gradient(newArray<vtkDoubleArray>("deformation_gradient", 9, arrays.deformationGradient ? count : 0))
     , energy(newArray<vtkDoubleArray>("energy_density", 1, arrays.energyDensity ? count : 0))
+    , plastic(newArray<vtkDoubleArray>("plastic_strain", 1, arrays.plasticStrain ? count : 0))
   {
     for (int c = 0; c < 6; ++c)
       stress->SetComponentName(c, stressNames[static_cast<std::size_t>(c)]);
@@ -85,7 +86,7 @@ struct StateColumns
     vtkIdType to, const mpm::MaterialPoints<Dim>& points, std::size_t i, const mpm::PointLaw<Dim>& law)
   {
     using Points = mpm::MaterialPoints<Dim>;
-    if (!asked.stress && !asked.deformationGradient && !asked.energyDensity)
+    if (!asked.stress && !asked.deformationGradient && !asked.energyDensity && !asked.plasticStrain)
       return;
     const auto phase = points.phase()[i];
     const mpm::Matrix<Dim> F = points.matrix(Points::deformations, i);
@@ -111,6 +112,8 @@ struct StateColumns
     }
     if (asked.energyDensity)
       energy->SetValue(to, law.energy(phase, F, axis, memory.data()));
+    if (asked.plasticStrain)
+      plastic->SetValue(to, law.plasticStrain(memory.data()));
   }
 
   void addTo(vtkPointData* data, const char* creator) const
@@ -121,8 +124,9 @@ struct StateColumns
     describe(gradient, "1",
       "by rows; of walls that yield its elastic part; of a picture zz is 1, or the elastic part's", creator);
     describe(energy, "J/m^3", "elastic, over the volume at the start", creator);
+    describe(plastic, "1", "equivalent, all that has flowed added up; 0 of walls that do not yield", creator);
     for (vtkDoubleArray* const array :
-      std::initializer_list<vtkDoubleArray*>{ displacement, velocity, stress, gradient, energy })
+      std::initializer_list<vtkDoubleArray*>{ displacement, velocity, stress, gradient, energy, plastic })
       if (array->GetNumberOfTuples() > 0)
         data->AddArray(array);
     data->SetActiveVectors(asked.displacement ? "displacement" : asked.velocity ? "velocity" : nullptr);
@@ -134,6 +138,7 @@ struct StateColumns
   vtkSmartPointer<vtkDoubleArray> stress;
   vtkSmartPointer<vtkDoubleArray> gradient;
   vtkSmartPointer<vtkDoubleArray> energy;
+  vtkSmartPointer<vtkDoubleArray> plastic;
 };
 
 } // namespace

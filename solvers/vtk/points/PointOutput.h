@@ -20,6 +20,7 @@ struct PointArrays
   bool stress = false;
   bool deformationGradient = false;
   bool energyDensity = false;
+  bool plasticStrain = false;
 };
 
 /// The points that a rank gives out: those of some numbers, wherever they are while they move.

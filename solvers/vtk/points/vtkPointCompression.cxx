@@ -123,6 +123,7 @@ LAMELLA_SHOW(Velocity)
 LAMELLA_SHOW(Stress)
 LAMELLA_SHOW(DeformationGradient)
 LAMELLA_SHOW(EnergyDensity)
+LAMELLA_SHOW(PlasticStrain)
 #undef LAMELLA_SHOW
 
 void vtkPointCompression::SetState(int state)
@@ -137,7 +138,8 @@ void vtkPointCompression::Run(vtkImageData* input, vtkInformationVector* outputs
   Internals& kept = *this->Kept;
   const std::map<std::string, bool> fields{ { "displacement", this->ComputeDisplacement },
     { "velocity", this->ComputeVelocity }, { "stress", this->ComputeStress },
-    { "deformation_gradient", this->ComputeDeformationGradient }, { "energy_density", this->ComputeEnergyDensity } };
+    { "deformation_gradient", this->ComputeDeformationGradient }, { "energy_density", this->ComputeEnergyDensity },
+    { "plastic_strain", this->ComputePlasticStrain } };
   const bool lacking = std::any_of(
     fields.begin(), fields.end(), [&](const auto& field) { return field.second && kept.Made[field.first] == false; });
   kept.States.renew(
@@ -242,7 +244,7 @@ void vtkPointCompression::Internals::Solve(
   const lamella::PointShare<Dim> share = lamella::shareAtStart(points, scene.shares(), comm);
   self.LetStop(team);
   const lamella::PointArrays arrays{ self.ComputeDisplacement, self.ComputeVelocity, self.ComputeStress,
-    self.ComputeDeformationGradient, self.ComputeEnergyDensity };
+    self.ComputeDeformationGradient, self.ComputeEnergyDensity, self.ComputePlasticStrain };
   const double depth = scene.lattice().origin[2];
 
   mpm::PointCompression<Dim>* running = nullptr;

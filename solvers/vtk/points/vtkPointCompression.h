@@ -12,7 +12,7 @@
  * - `displacement` (3 doubles, [m]) from the start, unless switched off
  * - on demand `velocity` (3 doubles, [m/s]); `stress` (6 doubles XX YY ZZ XY YZ XZ, [Pa]): Cauchy's, Kirchhoff's stress
  *   of the law over det F, tension positive; `deformation_gradient` (9 doubles by rows); `energy_density` (elastic,
- * over the volume at the start [J/m³]).
+ *   over the volume at the start [J/m³]); `plastic_strain` (equivalent, of walls that yield: all that has flowed).
  *
  * Of a picture YZ and XZ of the stress are 0; ZZ is 0 in plane stress, in plane strain what holds the third direction.
  * The third diagonal entry of the deformation gradient is 1. Of walls that yield the gradient is the elastic part, the
@@ -272,6 +272,13 @@ public:
   virtual void SetComputeEnergyDensity(bool on);
   vtkGetMacro(ComputeEnergyDensity, bool);
   vtkBooleanMacro(ComputeEnergyDensity, bool);
+  /**
+   * Put the equivalent plastic strain of every point into the output: how much has flowed where walls yield.
+   * @group State shown
+   */
+  virtual void SetComputePlasticStrain(bool on);
+  vtkGetMacro(ComputePlasticStrain, bool);
+  vtkBooleanMacro(ComputePlasticStrain, bool);
   ///@}
 
   /** As vtkBondBreakAlgorithm. */
@@ -320,6 +327,7 @@ private:
   bool ComputeStress = false;
   bool ComputeDeformationGradient = false;
   bool ComputeEnergyDensity = false;
+  bool ComputePlasticStrain = false;
   int StateRange[2] = { -1, 0 }; // VTK's macros want an array
   vtkIdType LastCheckpoint = 0;
 };

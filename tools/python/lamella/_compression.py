@@ -33,7 +33,8 @@ class PointState(LoadedState, _arrays.Answer):
 
     def array(self, name: str) -> Array:
         """An array of the points: "id", "phase", "displacement" [m] and what was asked for: "velocity" [m/s], "stress" [Pa]
-        (Cauchy's: xx, yy, zz, xy, yz, xz), "deformation_gradient" (9, by rows), "energy_density" [J/m^3] (a view)."""
+        (Cauchy's: xx, yy, zz, xy, yz, xz), "deformation_gradient" (9, by rows), "energy_density" [J/m^3],
+        "plastic_strain" (equivalent; of walls that yield) (a view)."""
         found = self.vtk.GetPointData().GetArray(name)
         if found is None:
             raise KeyError(f"the points have no array {name!r}; ask for it with fields=")
