@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <type_traits>
 
@@ -26,8 +27,7 @@ public:
 
   /// @param first node of the point's body
   Reach(const BackgroundGrid<Dim>& grid, const Vector<Dim>& x, const Vector<Dim>& width, std::int64_t first)
-    : x_(x)
-    , first_(first)
+    : first_(first)
   {
     for (int a = 0; a < Dim; ++a)
     {
@@ -37,14 +37,14 @@ public:
         throw DivergenceError(fmt::format("a point at {} along axis {} is outside the grid, which goes from {} to {} m",
                                 x[a], a, g.lower, g.upper()),
           "take a smaller step or slower walls");
-      shape_[a] = Shape::at(at, width[a]);
-      moment_[a] = Shape::moment(shape_[a], at) * g.spacing * g.spacing;
-      if (shape_[a].base < -1 || shape_[a].base + Shape::nodes - 1 > g.cells + 1)
+      const AxisShape<Shape::nodes> shape = Shape::at(at, width[a]);
+      moment_[a] = Shape::moment(shape, at) * g.spacing * g.spacing;
+      if (shape.base < -1 || shape.base + Shape::nodes - 1 > g.cells + 1)
         throw DivergenceError(
           fmt::format("a point at {} m along axis {} has passed the grid's end", x[a], a), "take a smaller step");
-      spacing_[a] = g.spacing;
-      lower_[a] = g.lower;
-      stride_[a] = grid.stride(a);
+      for (int k = 0; k < Shape::nodes; ++k)
+        axes_[a][static_cast<std::size_t>(k)] = { shape.value[k], shape.gradient[k] / g.spacing,
+          g.lower + g.spacing * (shape.base + k) - x[a], (shape.base + k + 1) * grid.stride(a) };
     }
   }
 
@@ -52,41 +52,50 @@ public:
   template <class F>
   void forEach(F&& f) const
   {
+#pragma GCC unroll 27
     for (int n = 0; n < nodes; ++n)
     {
-      std::array<int, Dim> part;
+      std::array<const Node*, Dim> part;
       std::int64_t at = first_;
       Vector<Dim> gradient;
       Vector<Dim> offset;
       double value = 1;
       for (int a = 0, rest = n; a < Dim; ++a, rest /= Shape::nodes)
       {
-        part[a] = rest % Shape::nodes;
-        at += (shape_[a].base + part[a] + 1) * stride_[a];
-        value *= shape_[a].value[part[a]];
-        offset[a] = lower_[a] + spacing_[a] * (shape_[a].base + part[a]) - x_[a];
+        part[a] = &axes_[a][static_cast<std::size_t>(rest % Shape::nodes)];
+        at += part[a]->at;
+        value *= part[a]->value;
+        offset[a] = part[a]->offset;
       }
       for (int a = 0; a < Dim; ++a)
       {
-        gradient[a] = shape_[a].gradient[part[a]] / spacing_[a];
+        gradient[a] = part[a]->gradient;
         for (int b = 0; b < Dim; ++b)
           if (b != a)
-            gradient[a] *= shape_[b].value[part[b]];
+            gradient[a] *= part[b]->value;
       }
       f(static_cast<std::size_t>(at) * nodeValues, value, gradient, offset);
     }
   }
   /// Σ N (x_i − x)² along an axis [m²].
-  [[nodiscard]] double moment(int a) const noexcept { return moment_[a]; }
+  [[nodiscard]] double moment(int a) const noexcept
+  {
+    return moment_[a];
+  }
 
 private:
-  Vector<Dim> x_;
+  /// A node along an axis.
+  struct Node
+  {
+    double value = 0;
+    double gradient = 0; // [1/m]
+    double offset = 0;   // from the point [m]
+    std::int64_t at = 0; // in the grid
+  };
+
   std::int64_t first_;
-  std::array<AxisShape<Shape::nodes>, Dim> shape_;
+  std::array<std::array<Node, Shape::nodes>, Dim> axes_;
   std::array<double, Dim> moment_;
-  std::array<double, Dim> spacing_;
-  std::array<double, Dim> lower_;
-  std::array<std::int64_t, Dim> stride_;
 };
 
 template <int Dim, class Shape>
@@ -142,6 +151,7 @@ public:
 
 private:
   using Nodes = Reach<Dim, Shape>;
+  static constexpr std::int64_t worth = 2048; // fewer points are done sooner than a second thread wakes up
 
   [[nodiscard]] Values zero() const
   {
@@ -163,17 +173,33 @@ private:
     return Nodes(s_.grid, points_.vector(Points::positions, p), width, body * s_.grid.count());
   }
 
+  /// Calls f(p) for every point, over the threads: of each point alone, so that their number changes nothing.
+  template <class F>
+  void forPoints(F&& f) const
+  {
+    const auto count = static_cast<std::int64_t>(points_.count());
+#pragma omp parallel for schedule(static) if (count >= worth)
+    for (std::int64_t p = 0; p < count; ++p)
+      f(static_cast<std::size_t>(p));
+  }
+
   /// Momentum of the points, and with what forces add to it.
   void scatter(Values& old, Values& loaded)
   {
+    std::vector<Matrix<Dim>> stress(points_.count());
+    forPoints(
+      [&](std::size_t p)
+      {
+        stress[p] = s_.law.kirchhoff(points_.phase()[p], points_.matrix(Points::deformations, p),
+          points_.vector(Points::axes, p), points_.memory(p).data());
+      });
     const auto mass = points_.column(Points::masses);
     const auto volume = points_.column(Points::volumes);
     for (std::size_t p = 0; p < points_.count(); ++p)
     {
       const Vector<Dim> v = points_.vector(Points::velocities, p);
       const Matrix<Dim> c = points_.affine(p);
-      const Matrix<Dim> tau = s_.law.kirchhoff(points_.phase()[p], points_.matrix(Points::deformations, p),
-        points_.vector(Points::axes, p), points_.memory(p).data());
+      const Matrix<Dim>& tau = stress[p];
       Vector<Dim> body{};
       if (s_.options.acceleration)
         body = s_.options.acceleration(points_.id()[p], s_.time);
@@ -322,28 +348,32 @@ private:
     if (transfer == Transfer::Xpic)
       removeUnseen();
     position_.resize(points_.count());
-    for (std::size_t p = 0; p < points_.count(); ++p)
-    {
-      Vector<Dim> v = points_.vector(Points::velocities, p);
-      const Vector<Dim> seen = valueAt(velocity, p);
-      if (transfer == Transfer::Flip || transfer == Transfer::Xpic)
+    if (affine_)
+      points_.storeAffines();
+    forPoints(
+      [&](std::size_t p)
       {
-        const Vector<Dim> before = valueAt(old, p);
+        Vector<Dim> v = points_.vector(Points::velocities, p);
+        const Vector<Dim> seen = valueAt(velocity, p);
+        if (transfer == Transfer::Flip || transfer == Transfer::Xpic)
+        {
+          const Vector<Dim> before = valueAt(old, p);
+          for (int a = 0; a < Dim; ++a)
+            v[a] += seen[a] - before[a];
+        }
+        else
+          v = seen;
+        if (affine_)
+          points_.setAffine(p, affineOf(velocity, p));
+        position_[p] = points_.vector(Points::positions, p);
         for (int a = 0; a < Dim; ++a)
-          v[a] += seen[a] - before[a];
-      }
-      else
-        v = seen;
-      if (affine_)
-        points_.setAffine(p, affineOf(velocity, p));
-      position_[p] = points_.vector(Points::positions, p);
+          position_[p][a] += s_.dt * seen[a];
+        points_.setVector(Points::velocities, p, v);
+      });
+    for (std::size_t p = 0; p < points_.count() && s_.options.acceleration; ++p)
       for (int a = 0; a < Dim; ++a)
-      {
-        position_[p][a] += s_.dt * seen[a];
-        work_ += points_.column(Points::masses)[p] * body_[p][a] * v[a] * s_.kick / 2;
-      }
-      points_.setVector(Points::velocities, p, v);
-    }
+        work_ +=
+          points_.column(Points::masses)[p] * body_[p][a] * points_.column(Points::velocities + a)[p] * s_.kick / 2;
   }
 
   /// Σ v_i ⊗ N (x_i − x) / moments. Hat functions: its limit, the gradient, since their moments can vanish.
@@ -362,26 +392,27 @@ private:
 
   void deform(const Values& velocity)
   {
-    for (std::size_t p = 0; p < points_.count(); ++p)
-    {
-      Matrix<Dim> update{};
-      reach_[p].forEach(
-        [&](std::size_t at, double, const Vector<Dim>& gradient, const Vector<Dim>&)
-        {
-          for (int a = 0; a < Dim; ++a)
-            for (int b = 0; b < Dim; ++b)
-              update(a, b) += s_.dt * velocity[at + 1 + a] * gradient[b];
-        });
-      const Matrix<Dim> before = points_.matrix(Points::deformations, p);
-      Matrix<Dim> F = product(update, before);
-      for (int i = 0; i < Dim * Dim; ++i)
-        F.m[i] += before.m[i];
-      auto memory = points_.memory(p);
-      s_.law.flow(points_.phase()[p], F, points_.vector(Points::axes, p), memory.data());
-      for (int h = 0; h < points_.history(); ++h)
-        points_.column(Points::histories + h)[p] = memory[static_cast<std::size_t>(h)];
-      points_.setMatrix(Points::deformations, p, F);
-    }
+    forPoints(
+      [&](std::size_t p)
+      {
+        Matrix<Dim> update{};
+        reach_[p].forEach(
+          [&](std::size_t at, double, const Vector<Dim>& gradient, const Vector<Dim>&)
+          {
+            for (int a = 0; a < Dim; ++a)
+              for (int b = 0; b < Dim; ++b)
+                update(a, b) += s_.dt * velocity[at + 1 + a] * gradient[b];
+          });
+        const Matrix<Dim> before = points_.matrix(Points::deformations, p);
+        Matrix<Dim> F = product(update, before);
+        for (int i = 0; i < Dim * Dim; ++i)
+          F.m[i] += before.m[i];
+        auto memory = points_.memory(p);
+        s_.law.flow(points_.phase()[p], F, points_.vector(Points::axes, p), memory.data());
+        for (int h = 0; h < points_.history(); ++h)
+          points_.column(Points::histories + h)[p] = memory[static_cast<std::size_t>(h)];
+        points_.setMatrix(Points::deformations, p, F);
+      });
   }
 
   const GeneralStep<Dim>& s_;

@@ -1,8 +1,7 @@
 #include "mpm/Hencky.h"
 
+#include "mpm/SymmetricEigen.h"
 #include "mpm/VolumeBarrier.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <cmath>
 
@@ -41,10 +40,12 @@ Matrix<Dim> part(const Eigen::Matrix3d& m)
   return r;
 }
 
+template <int Dim>
 Principal principal(const Eigen::Matrix3d& m)
 {
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(m * m.transpose());
-  return { 0.5 * solver.eigenvalues().array().log().matrix(), solver.eigenvectors() };
+  const SymmetricEigen<Dim> eigen(m * m.transpose());
+  // one by one: three are too few for the vectors' logarithm
+  return { eigen.values.unaryExpr([](double square) { return 0.5 * std::log(square); }), eigen.directions };
 }
 
 Eigen::Matrix3d spectral(const Eigen::Vector3d& values, const Eigen::Matrix3d& direction)
@@ -55,7 +56,7 @@ Eigen::Matrix3d spectral(const Eigen::Vector3d& values, const Eigen::Matrix3d& d
 template <int Dim>
 Eigen::Matrix3d kirchhoffInSpace(const double* c, const Matrix<Dim>& F, const double* history)
 {
-  const Principal p = principal(inSpace(F, history));
+  const Principal p = principal<Dim>(inSpace(F, history));
   const double all = c[0] * p.strain.sum() + VolumeBarrier::kirchhoff(c[2], p.volume());
   return spectral((2 * c[1] * p.strain.array() + all).matrix(), p.direction);
 }
@@ -66,7 +67,7 @@ template <int Dim>
 void Hencky::flow(const double* c, Matrix<Dim>& F, const Vector<Dim>& /*axis*/, double* history)
 {
   const Eigen::Matrix3d trial = inSpace(F, history);
-  const Principal p = principal(trial);
+  const Principal p = principal<Dim>(trial);
   const Eigen::Vector3d deviator = p.strain.array() - p.strain.mean();
   const double q = std::sqrt(1.5) * 2 * c[1] * deviator.norm();
   const double limit = c[3] + c[4] * history[plasticStrain];
@@ -102,7 +103,7 @@ double Hencky::thirdStretch(const double* history)
 template <int Dim>
 double Hencky::energy(const double* c, const Matrix<Dim>& F, const Vector<Dim>& /*axis*/, const double* history)
 {
-  const Principal p = principal(inSpace(F, history));
+  const Principal p = principal<Dim>(inSpace(F, history));
   const double sum = p.strain.sum();
   return c[1] * p.strain.squaredNorm() + 0.5 * c[0] * sum * sum + VolumeBarrier::energy(c[2], p.volume());
 }
@@ -111,7 +112,7 @@ template <int Dim>
 double Hencky::stiffness(const double* c, const Matrix<Dim>& F, const Vector<Dim>& /*axis*/, const double* history)
 {
   // a wave along a principal direction: λ + 2μ − τᵢ, since the stretch itself changes what a strain is
-  const Principal p = principal(inSpace(F, history));
+  const Principal p = principal<Dim>(inSpace(F, history));
   const double sum = c[0] * p.strain.sum();
   const double most = (2 * c[1] * p.strain.array() + sum).abs().maxCoeff();
   return c[0] + 2 * c[1] + 2 * most + VolumeBarrier::stiffness(c[2], p.volume());

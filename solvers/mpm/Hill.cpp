@@ -1,9 +1,8 @@
 #include "mpm/Hill.h"
 
 #include "mpm/Orthotropic.h"
+#include "mpm/SymmetricEigen.h"
 #include "mpm/VolumeBarrier.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -48,15 +47,19 @@ struct Stretches
   Eigen::Vector3d square;
   Tensor direction; // columns
 
-  explicit Stretches(const Tensor& F)
+  template <int Dim>
+  explicit Stretches(const Matrix<Dim>& F)
   {
-    const Eigen::SelfAdjointEigenSolver<Tensor> solver(F.transpose() * F);
-    square = solver.eigenvalues();
-    direction = solver.eigenvectors();
+    const Tensor f = wholeOf(F);
+    const SymmetricEigen<Dim> eigen(f.transpose() * f);
+    square = eigen.values;
+    direction = eigen.directions;
   }
   [[nodiscard]] Tensor strain() const
   {
-    return direction * (0.5 * square.array().log()).matrix().asDiagonal() * direction.transpose();
+    // one by one: three are too few for the vectors' logarithm
+    const Eigen::Vector3d logarithm = square.unaryExpr([](double s) { return 0.5 * std::log(s); });
+    return direction * logarithm.asDiagonal() * direction.transpose();
   }
 };
 
@@ -90,9 +93,9 @@ Tensor secondPiola(const Stretches& u, const Tensor& T)
 template <int Dim>
 Tensor kirchhoffInSpace(const double* c, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history)
 {
-  const Tensor f = wholeOf(F);
-  const Stretches u(f);
+  const Stretches u(F);
   const Tensor T = hooke(c, u.strain() - plasticOf(history), wholeOf(axis));
+  const Tensor f = wholeOf(F);
   Tensor tau = f * secondPiola(u, T) * f.transpose();
   tau.diagonal().array() += VolumeBarrier::kirchhoff(c[Hill::barrier], determinant(F));
   return tau;
@@ -126,7 +129,7 @@ void Hill::flow(const double* c, Matrix<Dim>& F, const Vector<Dim>& axis, double
 {
   const Vector<3> direction = wholeOf(axis);
   const Eigen::Vector3d a(direction[0], direction[1], direction[2]);
-  const Tensor trial = Stretches(wholeOf(F)).strain() - plasticOf(history);
+  const Tensor trial = Stretches(F).strain() - plasticOf(history);
   const Modes modes(hooke(c, trial, direction), a);
   // q² = Σ part / (1 + rate x)², x = Δε̄/q, as stress over q is what flows: each part is divided by 1 + rate x
   const double uniaxial = c[0] + 2 * c[1] + 2 * c[2] + 4 * c[3] + c[4]; // C₁₁ − 2 C₁₂ + ½ (C₂₂ + C₂₃)
@@ -198,7 +201,7 @@ double Hill::thirdStretch(const double* /*history*/)
 template <int Dim>
 double Hill::energy(const double* c, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history)
 {
-  const Tensor e = Stretches(wholeOf(F)).strain() - plasticOf(history);
+  const Tensor e = Stretches(F).strain() - plasticOf(history);
   return 0.5 * e.cwiseProduct(hooke(c, e, wholeOf(axis))).sum() + VolumeBarrier::energy(c[barrier], determinant(F));
 }
 
@@ -206,7 +209,7 @@ template <int Dim>
 double Hill::stiffness(const double* c, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history)
 {
   // as Hencky's: a logarithmic strain changes by no more than the velocity gradient, and stress turns and stretches
-  const Stretches u(wholeOf(F));
+  const Stretches u(F);
   const Tensor T = hooke(c, u.strain() - plasticOf(history), wholeOf(axis));
   return c[wave] + 2 * T.norm() + VolumeBarrier::stiffness(c[barrier], determinant(F));
 }
