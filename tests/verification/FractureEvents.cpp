@@ -326,6 +326,31 @@ TEST(FractureEvents, DisplacementIsAnEquilibrium)
 
 // Broken bonds as changes of rank one: residuals of all levels agree, and matrices are those made anew. Both hold to
 // the digits of single precision, a few times 1e-7, times the few tens of terms of a sum.
+TEST(FractureEvents, WindowsAreNoWiderThanTheirVectors)
+{
+  for (const std::int64_t size : { 5, 8, 30, 64, 71 })
+  {
+    const NodeLayout l = NodeLayout::make(2, 2, { size, 40, 1 }, {}, { size, 40, 1 }, false);
+    const std::int64_t end = (size + eventLanes - 1) / eventLanes * eventLanes; // of the row's last vector
+    for (std::int64_t low = 0; low < size; ++low)
+      for (std::int64_t high = low + 1; high <= size; ++high)
+        for (const int by : { 0, 1, 6 })
+        {
+          const Box box{ { low, 12, 0 }, { high, 15, 1 } };
+          const Box b = grown(box, by, l);
+          ASSERT_LE(b.low[0], std::max<std::int64_t>(0, low - by));
+          ASSERT_GE(b.high[0], std::min(size, high + by));
+          ASSERT_GE(b.low[0], 0);
+          ASSERT_LE(b.high[0], end);
+          ASSERT_EQ(b.low[0] % 2, 0);
+          ASSERT_EQ((b.high[0] - b.low[0]) % eventLanes, 0);
+          ASSERT_LE(b.high[0] - b.low[0], high - low + 2 * by + eventLanes); // a node for the even beginning
+          ASSERT_EQ(b.low[1], 12 - by);
+          ASSERT_EQ(b.high[1], 15 + by);
+        }
+  }
+}
+
 TEST(FractureEvents, LevelsStayGalerkinProducts)
 {
   for (const bool space : { false, true })

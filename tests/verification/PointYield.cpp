@@ -2,6 +2,8 @@
 #include "MaterialPointSamples.h"
 #include "PointChance.h"
 
+#include "mpm/SymmetricEigen.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -53,6 +55,22 @@ struct Bar
 };
 
 // In logarithmic strains a bar is the one of the textbook: E up to the yield stress, E H/(E + H) beyond, E back.
+// One rotation is a plane's matrix again, to round-off.
+TEST(PointYield, EigenvaluesOfAPlane)
+{
+  for (const auto& [xx, yy, xy] : { std::array{ 1.0, 1.0, 0.0 }, { 2.0, 0.5, 0.0 }, { 1.0, 1.0, 0.3 },
+         { 1.0, 1.0, -0.3 }, { 4.0, 0.1, 0.6 }, { 0.1, 4.0, -0.6 }, { 1.0, 1.0 + 1e-15, 1e-9 } })
+  {
+    Eigen::Matrix3d m;
+    m << xx, xy, 0, xy, yy, 0, 0, 0, 1.7;
+    const SymmetricEigen<2> eigen(m);
+    const Eigen::Matrix3d& v = eigen.directions;
+    EXPECT_LT((v * eigen.values.asDiagonal() * v.transpose() - m).norm(), 2e-15 * m.norm());
+    EXPECT_LT((v * v.transpose() - Eigen::Matrix3d::Identity()).norm(), 1e-15);
+    EXPECT_EQ(eigen.values[2], 1.7);
+  }
+}
+
 TEST(PointYield, BarYieldsHardensAndUnloads)
 {
   const double young = plain.youngsModulus;
