@@ -23,12 +23,6 @@ void store(float* p, V v)
   *reinterpret_cast<AnyV*>(p) = v;
 }
 
-#ifdef __AVX512F__
-constexpr int wide = 16;
-#else
-constexpr int wide = eventLanes;
-#endif
-
 /// Calls f(x, vector) for the vectors of a row, wide ones as long as there is room.
 template <class F>
 void forVectors(std::int64_t n, F&& f)
@@ -88,22 +82,10 @@ auto springPart(const WindowRows& w, const SpringRows& s, std::int64_t row, std:
 template <int Dim>
 double springsOf(const WindowRows& w, const SpringRows& s)
 {
-  InDouble sum;
-  for (std::int64_t row = 0; row < w.rows; ++row)
-  {
-    typename Vector<wide>::V many{};
-    V few{};
-    std::int64_t x = 0;
-    for (; x + 2 * wide <= w.n; x += 2 * wide)
-      many += springPart<Dim, wide, 2>(w, s, row, x);
-    for (; x + wide <= w.n; x += wide)
-      many += springPart<Dim, wide, 1>(w, s, row, x);
-    for (; x < w.n; x += eventLanes)
-      few += springPart<Dim, eventLanes, 1>(w, s, row, x);
-    sum.add(many);
-    sum.add(few);
-  }
-  return sum.total();
+  return sumOfParts(
+    w.rows, w.n,
+    [&]<int nodes, int parts>(std::int64_t row, std::int64_t x, std::integral_constant<int, nodes>,
+      std::integral_constant<int, parts>) { return springPart<Dim, nodes, parts>(w, s, row, x); });
 }
 
 double springs(int dimension, const WindowRows& rows, const SpringRows& springs)

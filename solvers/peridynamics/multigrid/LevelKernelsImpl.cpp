@@ -37,12 +37,6 @@ L times(int c, const L* block, const L* x)
                   : block[5] * x[0] + block[4] * x[1] + block[2] * x[2];
 }
 
-#ifdef __AVX512F__
-constexpr int wide = 16;
-#else
-constexpr int wide = lanes;
-#endif
-
 /// The product on Parts vectors of Lanes nodes of a row. Returns x·out.
 template <int Dim, int Lanes, int Parts>
 auto blockPart(const WindowRows& w, const BlockRow& r, std::int64_t row, std::int64_t x, std::int64_t diagonalRow,
@@ -104,22 +98,11 @@ auto blockPart(const WindowRows& w, const BlockRow& r, std::int64_t row, std::in
 template <int Dim>
 double windowOf(const WindowRows& w, const BlockRow& r, std::int64_t diagonalRow, const std::uint8_t* const* mirrored)
 {
-  InDouble sum;
-  for (std::int64_t row = 0; row < w.rows; ++row)
-  {
-    typename Vector<wide>::V many{};
-    V few{};
-    std::int64_t x = 0;
-    for (; x + 2 * wide <= w.n; x += 2 * wide)
-      many += blockPart<Dim, wide, 2>(w, r, row, x, diagonalRow, mirrored[row]);
-    for (; x + wide <= w.n; x += wide)
-      many += blockPart<Dim, wide, 1>(w, r, row, x, diagonalRow, mirrored[row]);
-    for (; x < w.n; x += lanes)
-      few += blockPart<Dim, lanes, 1>(w, r, row, x, diagonalRow, mirrored[row]);
-    sum.add(many);
-    sum.add(few);
-  }
-  return sum.total();
+  return sumOfParts(
+    w.rows, w.n,
+    [&]<int nodes, int parts>(
+      std::int64_t row, std::int64_t x, std::integral_constant<int, nodes>, std::integral_constant<int, parts>)
+    { return blockPart<Dim, nodes, parts>(w, r, row, x, diagonalRow, mirrored[row]); });
 }
 
 /// One row. Past its last node there is padding, where matrices are zero.
