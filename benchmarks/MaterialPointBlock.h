@@ -24,7 +24,7 @@ std::shared_ptr<const PointLaw<Dim>> wood()
 }
 
 /// A block of unit cells between platens that close slowly; of `porous` ones, walls two cells thick around lumens of 9
-/// × 4.
+/// × 4. Walls that yield begin sheared, so that they flow.
 /// @param stiffness of the law  @param comm ranks that share it
 template <int Dim>
 std::unique_ptr<PointDynamics<Dim>> block(std::shared_ptr<const PointLaw<Dim>> law, double stiffness, int cells,
@@ -48,9 +48,13 @@ std::unique_ptr<PointDynamics<Dim>> block(std::shared_ptr<const PointLaw<Dim>> l
   PointOptions made;
   made.perNode = perCell;
   made.density = { 1 };
-  MaterialPoints<Dim> points;
+  made.history = law->history();
+  MaterialPoints<Dim> points(0, made.history);
   if (comm.rank() == 0)
     points = pointsFromLattice<Dim>(lattice, phase, axis, made);
+  if (made.history > 0)
+    for (double& shear : points.column(MaterialPoints<Dim>::deformations + 1))
+      shear = 0.01;
 
   PointDynamicsOptions<Dim> options;
   options.spacing = 1;

@@ -97,6 +97,21 @@ int main(int argc, char** argv)
       const auto rubber = makeLaw<2, NeoHookean>({ { young / 2, young / 3 } });
       print("isotropic, full, 4 a cell", measure<2>(isotropic, young, cells, 2, false, true, 20, repeats));
       print("neo-Hookean, full, 4 a cell", measure<2>(rubber, young, cells, 2, false, true, 20, repeats));
+      const double yields = 1e-3 * young;
+      const PlasticMaterial ductile{ { .youngsModulus = young }, yields, 0 };
+      const OrthotropicPlasticMaterial wall{ .yieldStress = yields, .yieldAcross = 0.4 * yields };
+      const auto ductileInPlane = makeLaw<2, Hencky>({ henckyConstants(ductile) });
+      const auto wallInPlane = makeLaw<2, Hill>({ hillConstants(wall) });
+      for (const bool porous : { false, true })
+      {
+        const char* const how = porous ? "porous" : "full";
+        print(fmt::format("isotropic, yielding, {}, 4 a cell", how),
+          measure<2>(ductileInPlane, young, cells, 2, porous, true, 20, repeats));
+        print(fmt::format("orthotropic, yielding, {}, 4 a cell", how),
+          measure<2>(wallInPlane, young, cells, 2, porous, true, 20, repeats));
+      }
+      print("orthotropic, yielding, full, 4 a cell, plain path",
+        measure<2>(wallInPlane, young, cells / 4, 2, false, false, 5, 3));
       print("orthotropic, full, 4 a cell, plain path", measure<2>(wood<2>(), young, cells / 4, 2, false, false, 5, 3));
       const int edge = quick ? 16 : 28;
       const auto inSpace = [&](const std::string& what, const std::shared_ptr<const PointLaw<3>>& law, bool porous,
@@ -114,6 +129,8 @@ int main(int argc, char** argv)
           inSpace(
             "isotropic", makeLaw<3, Isotropic>({ isotropicConstants<3>(IsotropicMaterial{}) }), porous, precision);
         inSpace("neo-Hookean", makeLaw<3, NeoHookean>({ { young / 2, young / 3 } }), porous);
+        inSpace("isotropic, yielding", makeLaw<3, Hencky>({ henckyConstants(ductile) }), porous);
+        inSpace("orthotropic, yielding", makeLaw<3, Hill>({ hillConstants(wall) }), porous);
       }
     });
 }

@@ -10,14 +10,15 @@ namespace lamella::mpm
 
 /// A law of a point's material. A law is a struct of static templates over the dimension and the number type, a double
 /// or the lanes of a kernel, with no branch on values (kernels work on several points at once; a choice is
-/// `select(condition, a, b)`), found by argument-dependent lookup: sqrt, inverseSqrt, log, min, max, select.
+/// `select(condition, a, b)`), found by argument-dependent lookup: sqrt, inverseSqrt, log, exp, min, max, select,
+/// any.
 ///
 /// - `kind`: by which kernels find it;
 /// - `constants`: numbers of a phase, which every function gets as an array c of Real;
 /// - `history`: numbers that a point remembers beside F (0 for elastic laws). Where it is not 0 the law also has
-///   flow(c, F, axis, history), called once after F was updated and before the stress, which may change both; the
-///   functions below then take the history as well, and are of doubles only; and thirdStretch(history), the stretch
-///   along a plane's third direction that belongs to F;
+///   flow(c, F, axis, history), called once after F was updated, which may change both and knows the stress then; the
+///   functions below then take the history as well; and thirdStretch(history), the stretch along a plane's third
+///   direction that belongs to F (double only);
 /// - kirchhoff: Kirchhoff stress τ = J σ [Pa], symmetric, by rows;
 /// - thirdStress: of plane strain, the Kirchhoff stress along the third direction [Pa] (double only);
 /// - energy: elastic energy over initial volume [J/m³], whose derivative gives τ exactly;

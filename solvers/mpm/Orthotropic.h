@@ -81,23 +81,41 @@ struct Orthotropic
     }
     else
     {
-      Real ea[3];
-      for (int i = 0; i < 3; ++i)
-        ea[i] = e(i, 0) * axis[0] + e(i, 1) * axis[1] + e(i, 2) * axis[2];
-      const Real aea = axis[0] * ea[0] + axis[1] * ea[1] + axis[2] * ea[2];
-      const Real dilation = trace(e);
-      const Real all = c[0] * dilation + c[2] * aea;
-      const Real own = c[2] * dilation + c[4] * aea;
-      Real b[3]; // a⊗b + b⊗a has all that the axis adds
-      for (int i = 0; i < 3; ++i)
-        b[i] = 0.5 * own * axis[i] + 2.0 * c[3] * ea[i];
-      return symmetric<3, Real>(
-        [&](int i, int j)
-        {
-          const Real t = 2.0 * c[1] * e(i, j) + axis[i] * b[j] + b[i] * axis[j];
-          return i == j ? t + all : t;
-        });
+      Real all;
+      return hookeInSpace<3>(c, e, trace(e), axis, all);
     }
+  }
+
+  /// The same with the constants of space.
+  /// @param e strain in the plane of the first Dim directions, to which the axis belongs, as no shear leads out of it
+  /// @param dilation of all three directions
+  /// @param all is set to what the stress along all three has of the dilation and the strain along the axis: along a
+  /// direction across the plane it is that and 2μ times the strain along it
+  template <int Dim, class Real>
+  [[nodiscard]] static Matrix<Dim, Real> hookeInSpace(
+    const Real* c, const Matrix<Dim, Real>& e, const Real& dilation, const Vector<Dim, Real>& axis, Real& all)
+  {
+    Real ea[Dim];
+    for (int i = 0; i < Dim; ++i)
+    {
+      ea[i] = e(i, 0) * axis[0];
+      for (int j = 1; j < Dim; ++j)
+        ea[i] = ea[i] + e(i, j) * axis[j];
+    }
+    Real aea = axis[0] * ea[0];
+    for (int i = 1; i < Dim; ++i)
+      aea = aea + axis[i] * ea[i];
+    all = c[0] * dilation + c[2] * aea;
+    const Real own = c[2] * dilation + c[4] * aea;
+    Real b[Dim]; // a⊗b + b⊗a has all that the axis adds
+    for (int i = 0; i < Dim; ++i)
+      b[i] = 0.5 * own * axis[i] + 2.0 * c[3] * ea[i];
+    return symmetric<Dim, Real>(
+      [&](int i, int j)
+      {
+        const Real t = 2.0 * c[1] * e(i, j) + axis[i] * b[j] + b[i] * axis[j];
+        return i == j ? t + all : t;
+      });
   }
 
 private:

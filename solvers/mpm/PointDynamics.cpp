@@ -69,7 +69,7 @@ PointDynamics<Dim>::PointDynamics(
     throw Cancelled();
   if (options_.fused && options_.shape == Shape::QuadraticSpline && options_.mass == MassMatrix::Lumped &&
     options_.transfer == Transfer::Apic && options_.update == StressUpdate::Last && !options_.acceleration &&
-    static_cast<int>(law_->kind()) < lawKinds)
+    static_cast<int>(law_->kind()) < (options_.precision == Precision::Single ? singleLawKinds : lawKinds))
     fused_ = std::make_unique<FusedStep<Dim>>(
       points_, *law_, walls_.bodies, options_.gravity, options_.precision == Precision::Single);
   if (!fused_ && options_.transfer == Transfer::Apic)

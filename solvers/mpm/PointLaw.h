@@ -18,8 +18,16 @@ enum class LawKind : std::uint8_t
   NeoHookean,
   Isotropic,
   Orthotropic,
-  Hencky, ///< no kernels, and none below
+  Hencky, ///< yield, and have kernels in double precision only, as all below
   Hill
+};
+
+/// What a law that yields makes of a step.
+template <int Dim, class Real>
+struct Flow
+{
+  Matrix<Dim, Real> stress; ///< Kirchhoff's, after it [Pa]
+  bool any;                 ///< whether the point has flowed, or a lane's
 };
 
 /// What a plane takes the third direction for. Space has no choice.
@@ -86,7 +94,7 @@ public:
     [[maybe_unused]] const double* history) const override
   {
     if constexpr (Law::history > 0)
-      return Law::template kirchhoff<Dim>(constants(phase), F, axis, history);
+      return Law::kirchhoff(constants(phase), F, axis, history);
     else
       return Law::template kirchhoff<Dim, double>(constants(phase), F, axis);
   }
@@ -118,7 +126,7 @@ public:
     [[maybe_unused]] const double* history) const override
   {
     if constexpr (Law::history > 0)
-      return Law::template energy<Dim>(constants(phase), F, axis, history);
+      return Law::energy(constants(phase), F, axis, history);
     else
       return Law::template energy<Dim, double>(constants(phase), F, axis);
   }
@@ -126,14 +134,14 @@ public:
     [[maybe_unused]] const double* history) const override
   {
     if constexpr (Law::history > 0)
-      return Law::template stiffness<Dim>(constants(phase), F, axis, history);
+      return Law::stiffness(constants(phase), F, axis, history);
     else
       return Law::template stiffness<Dim>(constants(phase), F, axis);
   }
   void flow(std::size_t phase, Matrix<Dim>& F, const Vector<Dim>& axis, double* history) const override
   {
     if constexpr (Law::history > 0)
-      Law::template flow<Dim>(constants(phase), F, axis, history);
+      Law::flow(constants(phase), F, axis, history);
     else
       (void)phase, (void)F, (void)axis, (void)history;
   }

@@ -135,8 +135,9 @@ void PointDynamics<Dim>::takeBack(const io::Checkpoint& checkpoint)
   const auto rank = static_cast<std::size_t>(options_.comm.rank());
   const auto ranks = static_cast<std::size_t>(options_.comm.size());
   const std::size_t first = count * rank / ranks;
+  const int history = points_.history();
   points_ = MaterialPoints<Dim>(); // there is room for one
-  points_ = MaterialPoints<Dim>(count * (rank + 1) / ranks - first, points_.history());
+  points_ = MaterialPoints<Dim>(count * (rank + 1) / ranks - first, history);
   points_.storeAffines();
   for (std::size_t p = 0; p < points_.count(); ++p)
   {

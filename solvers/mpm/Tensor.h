@@ -23,6 +23,17 @@ namespace lamella::mpm
   return 1.0 / std::sqrt(x);
 }
 
+/// A comparison of lanes has as many answers: laws go by them so, and not by branches.
+[[nodiscard]] inline double select(bool condition, double a, double b)
+{
+  return condition ? a : b;
+}
+/// Whether one of the answers is yes. @param alike of the type that was compared
+[[nodiscard]] inline bool any(bool condition, double /*alike*/)
+{
+  return condition;
+}
+
 template <int Dim, class Real = double>
 struct Vector
 {

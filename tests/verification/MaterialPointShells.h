@@ -32,6 +32,12 @@ std::shared_ptr<const PointLaw<Dim>> lawOf(LawKind kind)
     case LawKind::Isotropic:
       return makeLaw<Dim, Isotropic>(
         { isotropicConstants<Dim>({ 1, 0.3, 1 }), isotropicConstants<Dim>({ 0.7, 0.2, 1 }) });
+    case LawKind::Hencky: // yields at strains that the shell comes to
+      return makeLaw<Dim, Hencky>(
+        { henckyConstants({ { 1, 0.3, 1 }, 0.02, 0.1 }), henckyConstants({ { 0.7, 0.2, 1 }, 0.01, 0 }) });
+    case LawKind::Hill:
+      return makeLaw<Dim, Hill>({ hillConstants({ { 1, 0.8, 0.3, 0.3, {}, 1 }, 0.02, 0.015, 0.01, 0.1 }),
+        hillConstants({ { 1.2, 0.5, 0.2, 0.3, {}, 1 }, 0.02, 0.01, 0.008, 0 }) });
     case LawKind::Orthotropic:
       return makeLaw<Dim, Orthotropic>({ orthotropicConstants<Dim>({ 1, 0.8, 0.3, 0.3, {}, 1 }),
         orthotropicConstants<Dim>({ 1.2, 0.5, 0.2, 0.3, {}, 1 }) });
@@ -49,14 +55,17 @@ std::unique_ptr<PointDynamics<Dim>> shell(LawKind law, Scene scene, bool fused, 
   const double h = 1.0 / cells;
   std::array<int, Dim> size;
   size.fill(cells);
-  MaterialPoints<Dim> points = filled<Dim>(size, h, 2, 1.0,
+  const std::shared_ptr<const PointLaw<Dim>> made = lawOf<Dim>(law);
+  MaterialPoints<Dim> points = filled<Dim>(
+    size, h, 2, 1.0,
     [&](const Place<Dim>& x)
     {
       double square = 0;
       for (int a = 0; a < Dim; ++a)
         square += (x[a] - 0.5) * (x[a] - 0.5);
       return scene == Scene::Periodic || scene == Scene::Torus || (square > 0.04 && square < 0.25);
-    });
+    },
+    made->history());
   for (std::size_t p = 0; p < points.count(); ++p)
   {
     points.phase()[p] = points.column(0)[p] < 0.4 ? 0 : 1;
@@ -105,7 +114,7 @@ std::unique_ptr<PointDynamics<Dim>> shell(LawKind law, Scene scene, bool fused, 
       options.sides[Dim - 1][1].straight = true;
       break;
   }
-  return std::make_unique<PointDynamics<Dim>>(shareOf(points, comm), lawOf<Dim>(law), options);
+  return std::make_unique<PointDynamics<Dim>>(shareOf(points, comm), made, options);
 }
 
 } // namespace lamella::mpm::samples

@@ -271,6 +271,30 @@ struct Lanes
     else
       return logarithm(a);
   }
+  /// e to a power within ±700, to 2 units in the last place.
+  [[gnu::always_inline]] friend Lanes exp(Lanes a)
+  {
+    static_assert(!single);
+    // a = k ln 2 + r, |r| ≤ ½ ln 2; the sum's last bits are k
+    constexpr double rounds = 6755399441055744.0; // 1.5 · 2⁵²
+    const V shifted = a.v * 1.4426950408889634 + rounds;
+    const V k = shifted - rounds;
+    const V r = (a.v - k * 0x1.62e42feep-1) - k * 0x1.a39ef35793c76p-33;
+    // thirteen terms leave 4e-18, every other one by itself
+    const V rr = r * r;
+    V even = rr * (1.0 / 479001600) + 1.0 / 3628800;
+    V odd = rr * (1.0 / 6227020800) + 1.0 / 39916800;
+    even = even * rr + 1.0 / 40320;
+    odd = odd * rr + 1.0 / 362880;
+    even = even * rr + 1.0 / 720;
+    odd = odd * rr + 1.0 / 5040;
+    even = even * rr + 1.0 / 24;
+    odd = odd * rr + 1.0 / 120;
+    even = even * rr + 0.5;
+    odd = odd * rr + 1.0 / 6;
+    const V power = 1.0 + (r + rr * (even + odd * r));
+    return (V)((I)power + ((I)shifted << 52));
+  }
 
 private:
   [[gnu::always_inline]] static Lanes logarithm(Lanes a)
@@ -351,6 +375,13 @@ inline unsigned bits(typename LaneTypes<N, T>::I mask)
   for (int l = 0; l < N; ++l)
     set |= mask[l] != 0 ? 1U << l : 0U;
   return set;
+}
+
+/// Whether a comparison holds for one lane at least. @param alike of the type that was compared
+template <int N, class T>
+inline bool any(typename LaneTypes<N, T>::I mask, const Lanes<N, T>& /*alike*/)
+{
+  return bits<N, T>(mask) != 0;
 }
 
 } // namespace

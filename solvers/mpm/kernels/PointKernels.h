@@ -88,14 +88,16 @@ struct PointSweep
 /// Cells first … last − 1.
 using SweepCells = void (*)(PointSweep& sweep, std::int64_t first, std::int64_t last);
 
-inline constexpr int lawKinds = 3; ///< the first ones of LawKind
+inline constexpr int lawKinds = 5;
+inline constexpr int singleLawKinds = 3; ///< in single precision: the first ones of LawKind
 
 struct PointKernels
 {
   const char* name;
   int lanes; ///< points at once, twice as many in single precision
   int cells; ///< that they are of
-  /// By precision (double, single), dimension − 2, law, [0] only giving to the grid, [1] the whole step.
+  /// By precision (double, single), dimension − 2, law, [0] only giving to the grid, [1] the whole step; null where
+  /// there is none.
   SweepCells sweep[2][2][lawKinds][2];
 };
 

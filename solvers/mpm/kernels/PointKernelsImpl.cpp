@@ -2,6 +2,8 @@
 // with the lanes of this file only, or the linker could take another file's code for them.
 #include "mpm/kernels/PointKernels.h"
 
+#include "mpm/Hencky.h"
+#include "mpm/Hill.h"
 #include "mpm/Isotropic.h"
 #include "mpm/NeoHookean.h"
 #include "mpm/Orthotropic.h"
@@ -22,6 +24,7 @@ struct Columns
   static constexpr int masses = deformations + Dim * Dim;
   static constexpr int volumes = masses + 1;
   static constexpr int axes = masses + 2;
+  static constexpr int histories = axes + Dim;
 };
 
 /// Of a point's state, by precision.
@@ -106,9 +109,10 @@ public:
   static constexpr bool fresh = Dim == 3;
   /// Whether the stress is found of two chunks at once: its operations wait for each other, and those of the other
   /// chunk fill the gaps. Short laws have none to fill, and twice as many lanes no registers.
-  static constexpr bool pairs = Dim == 3 && Whole && !single && Law::kind != LawKind::NeoHookean;
+  static constexpr bool yields = Law::history > 0;
+  static constexpr bool pairs = Dim == 3 && Whole && !single && Law::kind != LawKind::NeoHookean && !yields;
   static constexpr double mostFinite = 1e38; ///< in both precisions
-  static_assert(Law::history == 0);
+  static_assert(!yields || !single);
 
   explicit Sweep(PointSweep& sweep)
     : s_(sweep)
@@ -158,6 +162,8 @@ private:
     Matrix<Dim, R> affine;
     Matrix<Dim, R> F; ///< as it is stored
     Vector<Dim, R> axis;
+    R history[yields ? Law::history : 1];
+    Matrix<Dim, R> tau; ///< of a law that yields, which finds it on the way
   };
 
   /// @param present how many of the cells there are; of the others nothing is given to the grid
@@ -359,7 +365,7 @@ private:
     };
     fetch(C::positions, Dim);
     fetch(C::deformations, Dim * Dim);
-    fetch(C::masses, 2 + Dim); // volumes and axes behind them
+    fetch(C::masses, 2 + Dim + Law::history); // volumes, axes and what is remembered behind them
   }
   R load(int c, const Chunk& chunk) const
   {
@@ -414,6 +420,10 @@ private:
       addIdentity(F);
       return Law::kirchhoff(constants_, F, p.axis);
     }
+    else if constexpr (yields && Whole)
+      return p.tau;
+    else if constexpr (yields)
+      return Law::kirchhoff(constants_, p.F, p.axis, p.history);
     else
       return Law::kirchhoff(constants_, p.F, p.axis);
   }
@@ -441,9 +451,16 @@ private:
     }
     for (int i = 0; i < Dim * Dim; ++i)
       p.F.m[i] = load(C::deformations + i, chunk);
+    if constexpr (yields)
+      for (int i = 0; i < Law::history; ++i)
+        p.history[i] = load(C::histories + i, chunk);
     if constexpr (Whole)
     {
       take(chunk, p.x, p.v, p.affine, p.F);
+      if constexpr (yields)
+        flow(p);
+      for (int i = 0; i < Dim * Dim; ++i)
+        store(C::deformations + i, chunk, p.F.m[i]);
       if (s_.look)
       {
         const Moved copy = p; // whose address is known elsewhere: p itself may stay in registers
@@ -529,8 +546,14 @@ private:
           sum = sum + L(i, k) * before(k, j);
         F(i, j) = F(i, j) + s_.dt * sum;
       }
-    for (int i = 0; i < Dim * Dim; ++i)
-      store(C::deformations + i, chunk, F.m[i]);
+  }
+
+  [[gnu::always_inline]] void flow(Moved& p) const
+  {
+    const Flow<Dim, R> flown = Law::flow(constants_, p.F, p.axis, p.history);
+    p.tau = flown.stress;
+    for (int i = 0; i < Law::history && flown.any; ++i)
+      store(C::histories + i, p.chunk, p.history[i]);
   }
 
   /// Adds to the sums what these points have.
@@ -542,7 +565,11 @@ private:
     Matrix<Dim, R> F = p.F;
     addIdentity(F);
     const typename R::I here = R::where(present(p.chunk));
-    const R stiffness = Law::stiffness(constants_, F, p.axis) * volume / mass;
+    R stiffness;
+    if constexpr (yields)
+      stiffness = Law::stiffness(constants_, F, p.axis, p.history) * volume / mass;
+    else
+      stiffness = Law::stiffness(constants_, F, p.axis) * volume / mass;
     const typename R::I sound = (stiffness <= R(mostFinite)) & (determinant(F) > none); // false of what is no number
     const R finite = select(sound, stiffness, R(__builtin_inf()));
     stiffest_ = max(stiffest_, select(here, finite, none));
@@ -560,7 +587,12 @@ private:
       squares = squares + own;
     }
     kinetic_ = kinetic_ + select(here, 0.5 * (mass * squares), none);
-    elastic_ = elastic_ + select(here, volume * Law::energy(constants_, F, p.axis), none);
+    R energy;
+    if constexpr (yields)
+      energy = Law::energy(constants_, F, p.axis, p.history);
+    else
+      energy = Law::energy(constants_, F, p.axis);
+    elastic_ = elastic_ + select(here, volume * energy, none);
   }
 
   /// Momentum and forces to the grid.
@@ -794,14 +826,16 @@ constexpr int singleCells = lanes / 2; // of four lanes each
   {                                                                                                                    \
     sweepCells<Dim, Law, false, N, Cells, T>, sweepCells<Dim, Law, true, N, Cells, T>                                  \
   }
-#define LAMELLA_LAWS(Dim, N, Cells, T)                                                                                 \
-  {                                                                                                                    \
-    LAMELLA_LAW(Dim, NeoHookean, N, Cells, T), LAMELLA_LAW(Dim, Isotropic, N, Cells, T),                               \
-      LAMELLA_LAW(Dim, Orthotropic, N, Cells, T)                                                                       \
-  }
+#define LAMELLA_ELASTIC(Dim, N, Cells, T)                                                                              \
+  LAMELLA_LAW(Dim, NeoHookean, N, Cells, T), LAMELLA_LAW(Dim, Isotropic, N, Cells, T),                                 \
+    LAMELLA_LAW(Dim, Orthotropic, N, Cells, T)
+#define LAMELLA_ALL(Dim, N, Cells, T)                                                                                  \
+  LAMELLA_ELASTIC(Dim, N, Cells, T), LAMELLA_LAW(Dim, Hencky, N, Cells, T), LAMELLA_LAW(Dim, Hill, N, Cells, T)
 extern const PointKernels LAMELLA_KERNELS;
-const PointKernels LAMELLA_KERNELS = { LAMELLA_KERNELS_NAME, lanes, cellsAtOnce,
-  { { LAMELLA_LAWS(2, lanes, cellsAtOnce, double), LAMELLA_LAWS(3, lanes, cellsAtOnce, double) },
-    { LAMELLA_LAWS(2, 2 * lanes, singleCells, float), LAMELLA_LAWS(3, 2 * lanes, singleCells, float) } } };
+const PointKernels LAMELLA_KERNELS = {
+  LAMELLA_KERNELS_NAME, lanes, cellsAtOnce,
+  { { { LAMELLA_ALL(2, lanes, cellsAtOnce, double) }, { LAMELLA_ALL(3, lanes, cellsAtOnce, double) } },
+    { { LAMELLA_ELASTIC(2, 2 * lanes, singleCells, float) }, { LAMELLA_ELASTIC(3, 2 * lanes, singleCells, float) } } }
+};
 
 } // namespace lamella::mpm
