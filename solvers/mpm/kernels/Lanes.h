@@ -323,37 +323,6 @@ private:
   }
 };
 
-/// Two of a number type, side by side: no operation on the one waits for any on the other.
-template <class R>
-struct Two
-{
-  R first;
-  R second;
-
-  Two() = default;
-  Two(double value)
-    : first(value)
-    , second(value)
-  {
-  }
-  Two(R a, R b)
-    : first(a)
-    , second(b)
-  {
-  }
-
-  friend Two operator+(Two a, Two b) { return { a.first + b.first, a.second + b.second }; }
-  friend Two operator-(Two a, Two b) { return { a.first - b.first, a.second - b.second }; }
-  friend Two operator*(Two a, Two b) { return { a.first * b.first, a.second * b.second }; }
-  friend Two operator/(Two a, Two b) { return { a.first / b.first, a.second / b.second }; }
-  friend Two operator-(Two a) { return { -a.first, -a.second }; }
-  friend Two abs(Two a) { return { abs(a.first), abs(a.second) }; }
-  friend Two log(Two a) { return { log(a.first), log(a.second) }; }
-  friend Two inverseSqrt(Two a) { return { inverseSqrt(a.first), inverseSqrt(a.second) }; }
-  friend Two roughInverse(Two a) { return { roughInverse(a.first), roughInverse(a.second) }; }
-  friend Two roughInverseSqrt(Two a) { return { roughInverseSqrt(a.first), roughInverseSqrt(a.second) }; }
-};
-
 /// A bit a lane of a comparison.
 template <int N, class T>
 inline unsigned bits(typename LaneTypes<N, T>::I mask)
@@ -383,6 +352,55 @@ inline bool any(typename LaneTypes<N, T>::I mask, const Lanes<N, T>& /*alike*/)
 {
   return bits<N, T>(mask) != 0;
 }
+
+/// Two of a number type, side by side: no operation on the one waits for any on the other.
+template <class R>
+struct Two
+{
+  R first;
+  R second;
+
+  /// Of a comparison.
+  struct Answers
+  {
+    typename R::I first;
+    typename R::I second;
+
+    friend Answers operator&(Answers a, Answers b) { return { a.first & b.first, a.second & b.second }; }
+  };
+
+  Two() = default;
+  Two(double value)
+    : first(value)
+    , second(value)
+  {
+  }
+  Two(R a, R b)
+    : first(a)
+    , second(b)
+  {
+  }
+
+  friend Two operator+(Two a, Two b) { return { a.first + b.first, a.second + b.second }; }
+  friend Two operator-(Two a, Two b) { return { a.first - b.first, a.second - b.second }; }
+  friend Two operator*(Two a, Two b) { return { a.first * b.first, a.second * b.second }; }
+  friend Two operator/(Two a, Two b) { return { a.first / b.first, a.second / b.second }; }
+  friend Two operator-(Two a) { return { -a.first, -a.second }; }
+  friend Answers operator<(Two a, Two b) { return { a.first < b.first, a.second < b.second }; }
+  friend Answers operator>(Two a, Two b) { return { a.first > b.first, a.second > b.second }; }
+  friend Two select(Answers condition, Two a, Two b)
+  {
+    return { select(condition.first, a.first, b.first), select(condition.second, a.second, b.second) };
+  }
+  friend bool any(Answers condition, const Two& alike) { return any(condition.first | condition.second, alike.first); }
+  friend Two sqrt(Two a) { return { sqrt(a.first), sqrt(a.second) }; }
+  friend Two exp(Two a) { return { exp(a.first), exp(a.second) }; }
+  friend Two abs(Two a) { return { abs(a.first), abs(a.second) }; }
+  friend Two log(Two a) { return { log(a.first), log(a.second) }; }
+  friend Two inverseSqrt(Two a) { return { inverseSqrt(a.first), inverseSqrt(a.second) }; }
+  friend Two roughInverse(Two a) { return { roughInverse(a.first), roughInverse(a.second) }; }
+  friend Two roughInverseSqrt(Two a) { return { roughInverseSqrt(a.first), roughInverseSqrt(a.second) }; }
+};
 
 } // namespace
 } // namespace lamella::mpm

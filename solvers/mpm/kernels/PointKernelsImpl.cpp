@@ -64,31 +64,25 @@ struct Stray
         offset[a][i] = i - f;
     }
   }
-  /// f(node, N, ∇N × spacing, offset in spacings)
+  /// f(values of the node, N, ∇N × spacing, offset in spacings)
   template <class F>
   void forEach(const PointSweep& s, F&& f) const
   {
-    for (int n = 0; n < cellNodes<Dim>; ++n)
-    {
-      const int i[3] = { n % 3, n / 3 % 3, n / 9 };
-      double weight = 1;
-      std::int64_t at = node;
-      double d[Dim];
-      for (int a = 0; a < Dim; ++a)
+    constexpr int z = Dim - 1; // where space ends
+    for (int k = 0; k < (Dim == 3 ? 3 : 1); ++k)
+      for (int j = 0; j < 3; ++j)
       {
-        weight *= value[a][i[a]];
-        at += i[a] * s.axis[a].stride;
-        d[a] = offset[a][i[a]];
+        const double across = Dim == 3 ? value[1][j] * value[z][k] : value[1][j];
+        const double alongY = Dim == 3 ? gradient[1][j] * value[z][k] : gradient[1][j];
+        const double alongZ = value[1][j] * gradient[z][k];
+        const std::int64_t at = node + j * s.axis[1].stride + (Dim == 3 ? k * s.axis[z].stride : 0);
+        for (int i = 0; i < 3; ++i)
+        {
+          double g[3] = { gradient[0][i] * across, value[0][i] * alongY, value[0][i] * alongZ };
+          double d[3] = { offset[0][i], offset[1][j], offset[z][k] };
+          f((at + i * s.axis[0].stride) * 4, value[0][i] * across, g, d);
+        }
       }
-      double g[Dim];
-      for (int a = 0; a < Dim; ++a)
-      {
-        g[a] = gradient[a][i[a]];
-        for (int b = 0; b < Dim; ++b)
-          g[a] *= b == a ? 1 : value[b][i[b]];
-      }
-      f(at * 4, weight, g, d);
-    }
   }
 };
 
@@ -711,30 +705,29 @@ private:
     if (!coordinates(0, lane, x, coordinate))
       return; // it was reported when it went there
     const Stray<Dim> stray(s_, coordinate);
-    double value[Dim] = {};
-    double gradients[Dim * Dim] = {};
-    double spread[Dim * Dim] = {};
+    const Node none(0.0);
+    Node value = none; // by component, the first unused
+    Node gradients[3] = { none, none, none };
+    Node spread[3] = { none, none, none };
     stray.forEach(s_,
       [&](std::int64_t node, double weight, const double* g, const double* d)
       {
-        for (int c = 0; c < Dim; ++c)
+        const Node u = Node::load(s_.velocity + node);
+        const Node part = weight * u;
+        value = value + part;
+        for (int b = 0; b < Dim; ++b)
         {
-          const double u = s_.velocity[node + 1 + c];
-          value[c] += weight * u;
-          for (int b = 0; b < Dim; ++b)
-          {
-            gradients[c * Dim + b] += g[b] * u;
-            spread[c * Dim + b] += 4 * weight * d[b] * u;
-          }
+          gradients[b] = gradients[b] + g[b] * u;
+          spread[b] = spread[b] + (4 * d[b]) * part;
         }
       });
     for (int c = 0; c < Dim; ++c)
     {
-      v[c].v[lane] = static_cast<T>(value[c]);
+      v[c].v[lane] = static_cast<T>(value.v[1 + c]);
       for (int b = 0; b < Dim; ++b)
       {
-        L(c, b).v[lane] = static_cast<T>(gradients[c * Dim + b] / s_.axis[b].spacing[0]);
-        affine(c, b).v[lane] = static_cast<T>(spread[c * Dim + b] / s_.axis[b].spacing[0]);
+        L(c, b).v[lane] = static_cast<T>(gradients[b].v[1 + c] / s_.axis[b].spacing[0]);
+        affine(c, b).v[lane] = static_cast<T>(spread[b].v[1 + c] / s_.axis[b].spacing[0]);
       }
     }
   }
@@ -753,22 +746,30 @@ private:
     const double scale = single ? s_.massScale : 1;
     const double bulk = scale * static_cast<double>(mass.v[lane]);
     const double push = scale * static_cast<double>(impulse.v[lane]);
+    // what a node gets as its mass and momentum, and more by how far it is and by the spline's slope
+    Node given(0.0);
+    Node further[3] = { given, given, given };
+    Node slope[3] = { given, given, given };
+    given.v[0] = !Whole && s_.forcesOnly ? 0 : bulk;
+    for (int c = 0; c < Dim; ++c)
+    {
+      given.v[1 + c] = bulk * (static_cast<double>(v[c].v[lane]) + s_.kick * s_.gravity[c]);
+      for (int b = 0; b < Dim; ++b)
+      {
+        further[b].v[1 + c] = bulk * static_cast<double>(affine(c, b).v[lane]) * s_.axis[b].spacing[1];
+        slope[b].v[1 + c] = push * static_cast<double>(tau(c, b).v[lane]) / s_.axis[b].spacing[1];
+      }
+    }
     stray.forEach(s_,
       [&](std::int64_t node, double weight, const double* g, const double* d)
       {
-        double* out = s_.momentum + node;
-        out[0] += !Whole && s_.forcesOnly ? 0 : weight * bulk;
-        for (int c = 0; c < Dim; ++c)
-        {
-          double speed = static_cast<double>(v[c].v[lane]) + s_.kick * s_.gravity[c];
-          double force = 0;
-          for (int b = 0; b < Dim; ++b)
-          {
-            speed += static_cast<double>(affine(c, b).v[lane]) * d[b] * s_.axis[b].spacing[1];
-            force += static_cast<double>(tau(c, b).v[lane]) * g[b] / s_.axis[b].spacing[1];
-          }
-          out[1 + c] += weight * bulk * speed + push * force;
-        }
+        Node whole = given;
+        for (int b = 0; b < Dim; ++b)
+          whole = whole + d[b] * further[b];
+        whole = weight * whole;
+        for (int b = 0; b < Dim; ++b)
+          whole = whole + g[b] * slope[b];
+        (Node::load(s_.momentum + node) + whole).store(s_.momentum + node);
       });
   }
 
