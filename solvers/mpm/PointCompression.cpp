@@ -36,6 +36,7 @@ constexpr double mostLoss = 0.25;
 constexpr double mostLost = 0.3; // of the work, from which it is said; buckling to 48 % takes 15 to 20 %
 constexpr double close = 1e-9;   // of half a row
 constexpr int rowValues = sizeof(CompressionRow) / sizeof(double);
+constexpr int rowValuesBefore = 13; // of checkpoints without plastic work
 
 void require(bool fine, const std::string& message, const char* hint)
 {
@@ -109,7 +110,6 @@ PointCompression<Dim>::PointCompression(
       s.straight = options_.sides == LateralSides::Straight || options_.sides == LateralSides::Periodic;
     }
   }
-  elastic_ = law->history() == 0;
   // what hardly changes its volume has waves that are far faster than all else it does
   std::vector<double> most;
   for (std::size_t phase = 0; phase < law->phases(); ++phase)
@@ -374,6 +374,7 @@ void PointCompression<Dim>::measure()
   row_.kinetic = e.kinetic;
   row_.work = e.supplied;
   row_.dissipated = e.dissipated();
+  row_.plastic = e.plastic;
   row_.speed = speed_;
   row_.steps = static_cast<double>(body_->steps());
   row_.time = body_->time();
@@ -537,11 +538,12 @@ CompressionSummary PointCompression<Dim>::summary() const
     s.warnings.push_back(fmt::format("the stress on the straight sides is up to {:.0f} % of that on the platens, where "
                                      "it should be none: lower the speeds, or allow less kinetic energy",
       100 * s.worstLateral));
-  if (elastic_ && !rows_.empty() && rows_.back().work > 0 && rows_.back().dissipated > mostLost * rows_.back().work)
-    s.warnings.push_back(fmt::format("{:.0f} % of the work on walls that are elastic is gone: walls may have come "
-                                     "apart between points; take more of them "
-                                     "a cell: 9 in a plane hold where 4 tear",
-      100 * rows_.back().dissipated / rows_.back().work));
+  if (!rows_.empty())
+    if (const CompressionRow& end = rows_.back(); end.work > 0 && end.dissipated - end.plastic > mostLost * end.work)
+      s.warnings.push_back(fmt::format("{:.0f} % of the work is gone, {}: walls may have come apart between points; "
+                                       "take more of them a cell: 9 in a plane hold where 4 tear",
+        100 * (end.dissipated - end.plastic) / end.work,
+        end.plastic > 0 ? "without what walls have taken that yield" : "with walls that are elastic"));
   return s;
 }
 
@@ -559,7 +561,7 @@ void PointCompression<Dim>::save()
   table.insert(table.end(), valuesOf(row_).begin(), valuesOf(row_).end());
   c.arrays["rows"] = { { static_cast<std::int64_t>(rows_.size()) + 1, rowValues }, std::move(table), "SI",
     "of the table, and the one begun: strain, stress, imbalance, lateral stress, lateral strain, porosity, elastic and "
-    "kinetic energy, work, dissipation, speed, steps, time" };
+    "kinetic energy, work, dissipation, speed, steps, time, plastic work" };
   c.arrays["row_began"] = { { 2 * Dim + 1 }, std::vector<double>(from_.begin(), from_.end()), "SI",
     "impulses on the ends of the axes and the time where the row began" };
   c.numbers["speed"] = speed_;
@@ -593,12 +595,14 @@ void PointCompression<Dim>::restore()
   body_->takeBack(c);
   const std::vector<double>& table = c.reals("rows");
   const std::vector<double>& began = c.reals("row_began");
-  if (table.empty() || table.size() % rowValues != 0 || began.size() != from_.size())
+  const std::vector<std::int64_t>& shape = c.arrays.at("rows").shape;
+  const std::int64_t values = shape.size() == 2 ? shape[1] : 0;
+  if (table.empty() || (values != rowValues && values != rowValuesBefore) || began.size() != from_.size())
     throw InputError("the checkpoint's table has another shape", "start the run anew");
-  for (std::size_t i = 0; i < table.size(); i += rowValues)
+  for (std::size_t i = 0; i < table.size(); i += static_cast<std::size_t>(values))
   {
     rows_.emplace_back();
-    std::copy_n(table.begin() + static_cast<std::ptrdiff_t>(i), rowValues, reinterpret_cast<double*>(&rows_.back()));
+    std::copy_n(table.begin() + static_cast<std::ptrdiff_t>(i), values, reinterpret_cast<double*>(&rows_.back()));
   }
   row_ = rows_.back();
   rows_.pop_back();

@@ -82,7 +82,8 @@ struct CompressionRow
   double dissipated = 0; ///< by the method, by damping, by walls that yield
   double speed = 0;      ///< of the platens towards each other, over the wave's
   double steps = 0;
-  double time = 0; ///< [s]
+  double time = 0;    ///< [s]
+  double plastic = 0; ///< work of walls that yield, of what was dissipated
 };
 
 struct CompressionSummary
@@ -159,7 +160,6 @@ private:
   std::array<double, 2 * Dim + 1> from_{}; ///< impulses and the time where the row began
   double height_ = 0;
   double area_ = 0;           ///< section at the start [m²], [m] in 2D
-  bool elastic_ = true;       ///< walls that do not flow
   double wave_ = 0;           ///< [m/s]
   double speed_ = 0;          ///< over the wave's
   std::int64_t halfRows_ = 0; ///< gone through

@@ -106,6 +106,7 @@ struct PointEnergies
   double elastic = 0;  ///< now
   double supplied = 0; ///< by walls and body forces since the start
   double initial = 0;  ///< kinetic and elastic at the start
+  double plastic = 0;  ///< work that walls have taken that yield, of what was dissipated
   /// What was dissipated, by the transfer or by flow; error of second order in the step included.
   [[nodiscard]] double dissipated() const noexcept { return initial + supplied - kinetic - elastic; }
 };
@@ -239,6 +240,7 @@ private:
   /// f(point) over all points of all ranks, in blocks, so that it is the same for any number of threads.
   template <class F>
   [[nodiscard]] double sumOver(F&& f) const;
+  [[nodiscard]] double plasticWork() const;
   [[nodiscard]] std::array<double, 2> extent(int a) const;
 
   MaterialPoints<Dim> points_;

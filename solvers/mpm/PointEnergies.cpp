@@ -99,6 +99,15 @@ double PointDynamics<Dim>::elasticEnergy() const
 }
 
 template <int Dim>
+double PointDynamics<Dim>::plasticWork() const
+{
+  if (law_->history() == 0)
+    return 0;
+  return sumOver([&](std::size_t p)
+    { return points_.column(MaterialPoints<Dim>::volumes)[p] * law_->plasticWork(points_.memory(p).data()); });
+}
+
+template <int Dim>
 std::array<double, 2> PointDynamics<Dim>::volumes() const
 {
   using Points = MaterialPoints<Dim>;
@@ -174,7 +183,7 @@ PointEnergies PointDynamics<Dim>::energies() const
 {
   std::array<double, 2> moments{ gravityMoment(), startMoment_ };
   options_.comm.sum(moments);
-  return { kineticEnergy(), elasticEnergy(), supplied_ + moments[0] - moments[1], initial_ };
+  return { kineticEnergy(), elasticEnergy(), supplied_ + moments[0] - moments[1], initial_, plasticWork() };
 }
 
 template double PointDynamics<2>::gravityMoment() const;

@@ -61,6 +61,8 @@ public:
   [[nodiscard]] virtual double thirdStretch(const double* history = nullptr) const = 0;
   /// Equivalent plastic strain, all that has flowed added up; 0 of elastic laws.
   [[nodiscard]] virtual double plasticStrain(const double* history = nullptr) const = 0;
+  /// Work that flow has taken, over initial volume [J/m³]; 0 of elastic laws.
+  [[nodiscard]] virtual double plasticWork(const double* history = nullptr) const = 0;
   /// Elastic energy over initial volume [J/m³].
   [[nodiscard]] virtual double energy(
     std::size_t phase, const Matrix<Dim>& F, const Vector<Dim>& axis, const double* history = nullptr) const = 0;
@@ -119,6 +121,13 @@ public:
   {
     if constexpr (Law::history > 0)
       return history[Law::plasticStrain];
+    else
+      return 0;
+  }
+  [[nodiscard]] double plasticWork([[maybe_unused]] const double* history) const override
+  {
+    if constexpr (Law::history > 0)
+      return history[Law::plasticWork];
     else
       return 0;
   }

@@ -78,7 +78,7 @@ void expectTheSolver(int nz)
 
   vtkTable* const curve = filter->GetCurve();
   ASSERT_EQ(curve->GetNumberOfRows(), 9);
-  ASSERT_EQ(curve->GetNumberOfColumns(), 13);
+  ASSERT_EQ(curve->GetNumberOfColumns(), 14);
   for (vtkIdType row = 0; row < 9; ++row)
   {
     const mpm::CompressionRow& r = direct.rows()[static_cast<std::size_t>(row)];
@@ -232,12 +232,15 @@ TEST_F(Points, WallsThatYield)
   filter->SetYieldStress(std::numeric_limits<double>::infinity());
   ASSERT_EQ(errorOf(filter), "");
   EXPECT_NEAR(cell(filter->GetCurve(), 7, "stress") / (7.2e9 / 0.91 * 0.035), 1, 0.1);
+  EXPECT_EQ(cell(filter->GetCurve(), 7, "plastic_work"), 0);
   filter->SetPhaseConstant("wall", "yield", 5e7);
   filter->ComputeStressOn();
   ASSERT_EQ(errorOf(filter), "");
   const double limit = 2 / std::sqrt(3) * 5e7;
   EXPECT_NEAR(cell(filter->GetCurve(), 7, "stress") / limit, 1, 0.1);
   EXPECT_GT(cell(filter->GetCurve(), 7, "dissipated"), cell(filter->GetCurve(), 7, "elastic_energy"));
+  const double flowed = cell(filter->GetCurve(), 7, "plastic_work");
+  EXPECT_NEAR(cell(filter->GetCurve(), 7, "dissipated") / flowed, 1, 0.05);
   // without hardening the von Mises stress is the yield stress; Cauchy's is larger by the elastic loss of volume, 0.5 %
   vtkNew<vtkStressPDF> statistics;
   statistics->SetInputData(filter->GetPoints());

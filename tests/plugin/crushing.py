@@ -27,8 +27,8 @@ class Compression(unittest.TestCase):
         np.testing.assert_allclose(result.strain, np.linspace(0, 0.04, 9), atol=1e-9)
         self.assertEqual(result.strain[0], 0)
         self.assertEqual(sorted(result.curve), sorted(
-            ("strain stress imbalance lateral_stress lateral_strain porosity elastic_energy kinetic_energy work dissipated speed "
-             "steps time").split()))
+            ("strain stress imbalance lateral_stress lateral_strain porosity elastic_energy kinetic_energy work dissipated plastic_work "
+             "speed steps time").split()))
         np.testing.assert_allclose([state.imposed_strain for state in result.states], [0.01, 0.02, 0.04], atol=1e-9)
         self.assertAlmostEqual(result.states[0].imposed_stress / result.stress[2], 1, places=6)
         points = result.points

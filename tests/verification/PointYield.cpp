@@ -199,6 +199,7 @@ TEST(PointYield, YieldingBlockInMotion)
     EXPECT_NEAR(
       body.points().column(MaterialPoints<2>::histories + Hencky::plasticWork)[p], 0.5 * (0.02 + q) * flowed, 1e-10);
   }
+  EXPECT_NEAR(body.energies().plastic, 0.5 * (0.02 + q) * flowed, 1e-10); // in a box of 1 × 1
   // the walls leave a height of exp ε, and plastic flow keeps volume: round-off of the sum
   const std::array<double, 2> volumes = body.volumes();
   EXPECT_NEAR(volumes[0] / volumes[1], std::exp(logarithm(body.time())), 1e-10);

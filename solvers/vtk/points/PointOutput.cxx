@@ -32,7 +32,7 @@ struct Column
   const char* unit;
   const char* text;
 };
-constexpr std::array<Column, 13> curveColumns{ {
+constexpr std::array<Column, 14> curveColumns{ {
   { "strain", &mpm::CompressionRow::strain, "1", "of the height, positive in compression" },
   { "stress", &mpm::CompressionRow::stress, "Pa", "mean force on the platens over the section at the start" },
   { "imbalance", &mpm::CompressionRow::imbalance, "Pa", "upper platen's stress less the lower one's" },
@@ -43,6 +43,7 @@ constexpr std::array<Column, 13> curveColumns{ {
   { "kinetic_energy", &mpm::CompressionRow::kinetic, "J", "J/m in a plane" },
   { "work", &mpm::CompressionRow::work, "J", "of the platens; J/m in a plane" },
   { "dissipated", &mpm::CompressionRow::dissipated, "J", "by method, damping and yield; J/m in a plane" },
+  { "plastic_work", &mpm::CompressionRow::plastic, "J", "of what was dissipated: by walls that yield; J/m in a plane" },
   { "speed", &mpm::CompressionRow::speed, "1", "of the platens towards each other, over the fastest wave in the wall" },
   { "steps", &mpm::CompressionRow::steps, "1", "done" },
   { "time", &mpm::CompressionRow::time, "s", "of the motion" },

@@ -20,7 +20,8 @@
  *
  * **Output 1**, curve: vtkTable, a row at even strains: `strain` (1 − H/H₀), `stress` [Pa] (means over half a row
  * before and after), `imbalance` [Pa], `lateral_stress` [Pa], `lateral_strain`, `porosity`, `elastic_energy`,
- * `kinetic_energy`, `work`, `dissipated` ([J], [J/m] of a picture), `speed` (over the wave's), `steps`, `time` [s].
+ * `kinetic_energy`, `work`, `dissipated`, of that `plastic_work` ([J], [J/m] of a picture), `speed` (over the wave's),
+ * `steps`, `time` [s].
  * Stresses and strains are positive in compression.
  *
  * **Field data** of both:

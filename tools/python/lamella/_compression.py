@@ -66,7 +66,7 @@ class CompressionResult(LongRun, _arrays.Answer):
 
     curve: Columns = told(
         "All columns of the curve, a dictionary of arrays: strain, stress, imbalance, lateral_stress, "
-        "lateral_strain, porosity, elastic_energy, kinetic_energy, work, dissipated, speed, steps, time (SI).",
+        "lateral_strain, porosity, elastic_energy, kinetic_energy, work, dissipated, plastic_work, speed, steps, time (SI).",
         "vtk_curve")
     strain: Array = told("Curve: 1 - H/H0 [1].", by="_column")
     stress: Array = told(
