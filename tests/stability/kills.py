@@ -38,6 +38,7 @@ ROUND_OFF = 1e-9
 WALL = ["--young", "wall=1e10", "--critical-stretch", "wall=0.01"]
 TWO = ["--young", "matrix=1e10", "--young", "inclusion=1e9", "--like", "inclusion-matrix=inclusion", "--critical-stretch", "matrix=0.01",
        "--critical-stretch", "inclusion=0.01", "--density", "1000"]
+YIELDING = ["--law", "plastic", "--plane", "plane-strain", "--yield", "5e7", "--plastic-strain"]
 TISSUE = ["generate", "softwood", "--solid-fraction", "0.5", "--seed", "1", "--size"]
 STONES = ["generate", "spheres", "--solid-fraction", "0.4", "--size"]
 SAMPLES = {
@@ -55,6 +56,9 @@ COMMANDS = {
                                    "small": ["tissue.png", *WALL, "--method", "accurate", "--max-broken", "40"]}, "4", "vti", True),
     "compression": ((1, 2), {"large": ["tissue.png", "--fit-platens", "--strain", "0.1"],
                              "small": ["tissue.png", "--fit-platens", "--strain", "0.03", "--first-speed", "1e-2"]}, "100", "vtp", False),
+    "compression-yielding": ((1, 2), {"large": ["tissue.png", "--fit-platens", "--strain", "0.03", *YIELDING],
+                                      "small": ["tissue.png", "--fit-platens", "--strain", "0.02", "--first-speed", "1e-2", *YIELDING]},
+                             "100", "vtp", False),
     "dynamics": ((1, 2), {"large": ["stones.vti", *TWO], "small": ["stones.vti", *TWO]}, "20", "vti", True),
     "transient": ((1, 2), {"large": ["tissue.png", *HEAT, "--at-time", "2e-4"], "small": ["tissue.png", *HEAT, "--at-time", "1e-5"]}, "100", "vti", False),
 }
@@ -120,7 +124,7 @@ class Scene:
     def __init__(self, program, folder, name, ranks, size):
         _, words, every, ending, breaks = COMMANDS[name]
         self.folder, self.ranks, self.program, self.ending = folder, ranks, program, ending
-        self.exact, self.apart = name != "compression" or ranks == 1, 0.0
+        self.exact, self.apart = not name.startswith("compression") or ranks == 1, 0.0
         self.kept = folder / "kept"
         self.file = self.kept / "run.h5"
         outputs = ["-o", f"out.{ending}", "--curve", "curve.csv", *(["--broken", "broken.vtp"] if breaks else [])]
