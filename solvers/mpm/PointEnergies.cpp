@@ -192,6 +192,8 @@ template double PointDynamics<2>::kineticEnergy() const;
 template double PointDynamics<3>::kineticEnergy() const;
 template double PointDynamics<2>::elasticEnergy() const;
 template double PointDynamics<3>::elasticEnergy() const;
+template double PointDynamics<2>::plasticWork() const;
+template double PointDynamics<3>::plasticWork() const;
 template std::array<double, 2> PointDynamics<2>::volumes() const;
 template std::array<double, 2> PointDynamics<3>::volumes() const;
 template void PointDynamics<2>::scaleVelocities(double);
