@@ -22,16 +22,17 @@ struct LaneTypes; // the attribute may not depend on a template's parameter
   {                                                                                                                    \
     using V __attribute__((vector_size(sizeof(Number) * N))) = Number;                                                 \
     using I __attribute__((vector_size(sizeof(Number) * N))) = Whole;                                                  \
+    using U __attribute__((vector_size(sizeof(Number) * N))) = u##Whole; /* which may overflow */                      \
     using Any __attribute__((vector_size(sizeof(Number) * N), aligned(sizeof(Number)), may_alias)) =                   \
       Number; /* any place */                                                                                          \
   };
-LAMELLA_LANES(2, double, std::int64_t)
-LAMELLA_LANES(4, double, std::int64_t)
-LAMELLA_LANES(8, double, std::int64_t)
-LAMELLA_LANES(16, double, std::int64_t)
-LAMELLA_LANES(4, float, std::int32_t)
-LAMELLA_LANES(8, float, std::int32_t)
-LAMELLA_LANES(16, float, std::int32_t)
+LAMELLA_LANES(2, double, int64_t)
+LAMELLA_LANES(4, double, int64_t)
+LAMELLA_LANES(8, double, int64_t)
+LAMELLA_LANES(16, double, int64_t)
+LAMELLA_LANES(4, float, int32_t)
+LAMELLA_LANES(8, float, int32_t)
+LAMELLA_LANES(16, float, int32_t)
 #undef LAMELLA_LANES
 
 /// @param T double, or float with twice as many lanes
@@ -40,6 +41,7 @@ struct Lanes
 {
   using V = typename LaneTypes<N, T>::V;
   using I = typename LaneTypes<N, T>::I;
+  using U = typename LaneTypes<N, T>::U;
   using Any = typename LaneTypes<N, T>::Any;
   static constexpr bool single = sizeof(T) == 4;
 
@@ -293,17 +295,16 @@ struct Lanes
     even = even * rr + 0.5;
     odd = odd * rr + 1.0 / 6;
     const V power = 1.0 + (r + rr * (even + odd * r));
-    return (V)((I)power + ((I)shifted << 52));
+    return (V)((U)power + ((U)shifted << 52));
   }
 
 private:
   [[gnu::always_inline]] static Lanes logarithm(Lanes a)
   {
     // a = 2^k m with m in [√½, √2)
-    const I offset = I{} + 0x3fe6a09e667f3bcdLL; // √½
-    const I shifted = (I)a.v - offset;
-    const I k = shifted >> 52;
-    const V m = (V)((I)a.v - (k << 52));
+    const U offset = U{} + 0x3fe6a09e667f3bcdULL; // √½
+    const I k = (I)((U)a.v - offset) >> 52;
+    const V m = (V)((U)a.v - ((U)k << 52));
     // ln m = 2 artanh s, s = (m − 1)/(m + 1), |s| ≤ 0.1716: ten terms leave 2e-17
     const V s = (m - 1.0) / (m + 1.0);
     const V z = s * s;

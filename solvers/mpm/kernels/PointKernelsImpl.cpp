@@ -482,6 +482,11 @@ private:
   [[gnu::always_inline]] void take(const Chunk& chunk, R* x, R* v, Matrix<Dim, R>& affine, Matrix<Dim, R>& F)
   {
     CellPlace<R> at[3] = { place(0, 0, x[0]), place(0, 1, x[1]), place(0, Dim - 1, x[Dim - 1]) };
+    const unsigned here = present(chunk);
+    if (here !=
+      (1U << N) - 1) // other lanes have points of other cells, which must not be torn by velocities far from them
+      for (int a = 0; a < 3; ++a)
+        at[a] = CellPlace<R>(select(R::where(here), at[a].e, R(0.0)));
     Matrix<Dim, R> L;
 #pragma GCC unroll 3
     for (int c = 0; c < Dim; ++c)
@@ -495,7 +500,7 @@ private:
         affine(c, b) = r.affine[b] * inverse_[0][b];
       }
     }
-    if (const unsigned strays = outsideCell(at) & present(chunk); strays != 0)
+    if (const unsigned strays = outsideCell(at) & here; strays != 0)
     {
       Taken t{ {}, {}, affine, L };
       for (int a = 0; a < Dim; ++a)
@@ -525,7 +530,6 @@ private:
       R most = abs(affine.m[0]);
       for (int i = 1; i < Dim * Dim; ++i)
         most = max(most, abs(affine.m[i]));
-      const unsigned here = present(chunk);
       for (int l = 0; l < N; ++l)
         if ((here >> l & 1U) != 0 && static_cast<double>(most.v[l]) > s_.fastest)
           s_.fastest = static_cast<double>(most.v[l]);
