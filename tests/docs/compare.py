@@ -6,7 +6,8 @@ Lines must be the same, but for
 - `…`: on a line of its own it stands for any lines, elsewhere for any words;
 - what no two runs have in common: times, memory, rates, versions, dates, and the folder the test runs in;
 - numbers: they agree to the digits that the page shows, to one unit of the last of them; whole numbers exactly, but for
-  one above 1e5 whose last digits happened to be zeros (136710 beside 136710.1), and
+  one above 1e5 whose last digits happened to be zeros (136710 beside 136710.1), one above 1e5 with a unit behind it, whose
+  last digit depends on the processor (1775403 Pa), and
   counts of iterations and steps, which may differ by one in ten. Below 1e-5 numbers are what round-off leaves of 0 or what a
   tolerance leaves of a residual, and only have to be below that. `within` says how far apart they may be instead.
 """
@@ -17,6 +18,7 @@ import re
 NUMBER = re.compile(r"(?<![\w.])[-−+]?\d{1,3}(?: \d{3})+(?![\d.])|(?<![\w])[-−+]?\d+(?:\.\d+)?(?:e[-+]?\d+)?(?![\d])")
 SMALL = 1e-5
 COUNTS = re.compile(r"\b(?:iterations|steps|iteration|events?, strict)\b")
+UNIT = re.compile(r" (?:Pa|N|J|W)\b")
 
 MASKS = (
     (re.compile(r"\d+(?:\.\d+)?(?:e[-+]\d+)? (?:s|ms|µs|min|h)(?=[\s,;:.)]|$)"), "<time>"),
@@ -58,7 +60,7 @@ def last_place(text):
     return 10 ** (int(exponent or 0) - places)
 
 
-def same_number(shown, found, share, count):
+def same_number(shown, found, share, count, measured):
     a, b = value(shown), value(found)
     if abs(a) < SMALL and abs(b) < SMALL and a * b != 0 or a == b:
         return True
@@ -66,7 +68,7 @@ def same_number(shown, found, share, count):
         return abs(a - b) <= share * max(abs(a), abs(b)) + last_place(shown)
     if count:
         return abs(a - b) <= max(1, 0.1 * abs(a))
-    place = last_place(shown) or (last_place(found) if abs(a) > 1e5 else 0)
+    place = last_place(shown) or (last_place(found) or measured if abs(a) > 1e5 else 0)
     return abs(a - b) <= 1.000001 * place
 
 
@@ -79,12 +81,13 @@ def same_line(shown, found, share=None):
             pattern += ".*"
         else:
             pattern += f"({NUMBER.pattern})"
-            numbers.append((match[0], bool(COUNTS.search(shown[match.end(): match.end() + 20]))))
+            behind = shown[match.end(): match.end() + 20]
+            numbers.append((match[0], bool(COUNTS.search(behind)), bool(UNIT.match(behind))))
         position = match.end()
     # aligned columns may have room or none before a number of another length
     pattern = (pattern + re.escape(shown[position:])).replace(r"\ ", r"\s*")
     got = re.fullmatch(pattern, found)
-    return bool(got) and all(same_number(a, b, share, count) for (a, count), b in zip(numbers, got.groups()))
+    return bool(got) and all(same_number(a, b, share, count, unit) for (a, count, unit), b in zip(numbers, got.groups()))
 
 
 def difference(shown, printed, folder="", share=None):

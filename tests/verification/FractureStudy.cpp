@@ -111,7 +111,7 @@ TEST(FractureStudy, DamageAcrossPeriodicSides)
       if (y < 14 || y > 20 || (x > 5 && x < 20))
         s.sample.phase[static_cast<std::size_t>(x + 24 * y)] = 2; // breaks near the seam only
   s.model.pairs[{ 2, 2 }] = s.model.pairs[{ 1, 2 }] = { BondMaterial{ .youngsModulus = young } };
-  FractureStudyOptions o = until(0, 60);
+  FractureStudyOptions o = until(0, 100);
   int states = 0;
   bool across = false;
   o.keep = [&](const FractureState& state)
