@@ -61,7 +61,8 @@ struct Hill
     if (one)
     {
       const Real x = flowing(yields, parts, rates, limit, c[hardening]);
-      const Real amount = x * limit / (1.0 - c[hardening] * x);
+      const Real none(0.0); // of lanes that do not, whose limit may be infinite
+      const Real amount = select(yields, x * limit / (1.0 - c[hardening] * x), none);
       const Real along = modes.axial * x / (1.0 + rates[0] * x);
       const Real sideways = ofAcross * x / (1.0 + rates[1] * x);
       const Real sliding = ofShear * x / (1.0 + rates[2] * x);
@@ -77,7 +78,8 @@ struct Hill
         flowed.third = sideways * modes.across.third - 0.5 * along;
       remember(flowed, history);
       history[plasticStrain] = history[plasticStrain] + amount;
-      history[plasticWork] = history[plasticWork] + (limit + 0.5 * c[hardening] * amount) * amount;
+      history[plasticWork] =
+        history[plasticWork] + select(yields, (limit + 0.5 * c[hardening] * amount) * amount, none);
       e = u.elastic(history);
       T = hooke(c, e, axis);
     }

@@ -257,7 +257,7 @@ TEST(MaterialPointRanks, BodiesGoOnOnAnotherNumberOfRanks)
   EXPECT_NEAR(end.dissipated(), one->energies().dissipated(), 1e-9);
 }
 
-// What only the plain path can do: walls that yield, GIMP, PIC, stress from what points give back.
+// What only the plain path can do, GIMP, PIC and stress from what points give back, of walls that yield.
 TEST(MaterialPointRanks, BarThatYields)
 {
   expectSame<2>(

@@ -11,6 +11,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <span>
 #include <utility>
@@ -145,7 +146,7 @@ double difference(const PointDynamics<Dim>& a, const MaterialPoints<Dim>& b)
         d -= count * (c < velocities ? length : a.wall(axis, 1).velocity);
       }
       largest = std::max(largest, std::fabs(mine.column(c)[p]));
-      off = std::max(off, std::fabs(d));
+      off = std::isfinite(d) ? std::max(off, std::fabs(d)) : std::numeric_limits<double>::infinity();
     }
     worst = std::max(worst, off / largest);
   }

@@ -10,6 +10,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 #include <memory>
 
 namespace lamella::mpm::samples
@@ -32,12 +33,12 @@ std::shared_ptr<const PointLaw<Dim>> lawOf(LawKind kind)
     case LawKind::Isotropic:
       return makeLaw<Dim, Isotropic>(
         { isotropicConstants<Dim>({ 1, 0.3, 1 }), isotropicConstants<Dim>({ 0.7, 0.2, 1 }) });
-    case LawKind::Hencky: // yields at strains that the shell comes to
+    case LawKind::Hencky: // both yield at strains that the shell comes to, but Hill's second phase
       return makeLaw<Dim, Hencky>(
         { henckyConstants({ { 1, 0.3, 1 }, 0.02, 0.1 }), henckyConstants({ { 0.7, 0.2, 1 }, 0.01, 0 }) });
     case LawKind::Hill:
       return makeLaw<Dim, Hill>({ hillConstants({ { 1, 0.8, 0.3, 0.3, {}, 1 }, 0.02, 0.015, 0.01, 0.1 }),
-        hillConstants({ { 1.2, 0.5, 0.2, 0.3, {}, 1 }, 0.02, 0.01, 0.008, 0 }) });
+        hillConstants({ { 1.2, 0.5, 0.2, 0.3, {}, 1 }, std::numeric_limits<double>::infinity() }) });
     case LawKind::Orthotropic:
       return makeLaw<Dim, Orthotropic>({ orthotropicConstants<Dim>({ 1, 0.8, 0.3, 0.3, {}, 1 }),
         orthotropicConstants<Dim>({ 1.2, 0.5, 0.2, 0.3, {}, 1 }) });

@@ -366,8 +366,6 @@ struct Two
   {
     typename R::I first;
     typename R::I second;
-
-    friend Answers operator&(Answers a, Answers b) { return { a.first & b.first, a.second & b.second }; }
   };
 
   Two() = default;
@@ -387,15 +385,8 @@ struct Two
   friend Two operator*(Two a, Two b) { return { a.first * b.first, a.second * b.second }; }
   friend Two operator/(Two a, Two b) { return { a.first / b.first, a.second / b.second }; }
   friend Two operator-(Two a) { return { -a.first, -a.second }; }
-  friend Answers operator<(Two a, Two b) { return { a.first < b.first, a.second < b.second }; }
   friend Answers operator>(Two a, Two b) { return { a.first > b.first, a.second > b.second }; }
-  friend Two select(Answers condition, Two a, Two b)
-  {
-    return { select(condition.first, a.first, b.first), select(condition.second, a.second, b.second) };
-  }
   friend bool any(Answers condition, const Two& alike) { return any(condition.first | condition.second, alike.first); }
-  friend Two sqrt(Two a) { return { sqrt(a.first), sqrt(a.second) }; }
-  friend Two exp(Two a) { return { exp(a.first), exp(a.second) }; }
   friend Two abs(Two a) { return { abs(a.first), abs(a.second) }; }
   friend Two log(Two a) { return { log(a.first), log(a.second) }; }
   friend Two inverseSqrt(Two a) { return { inverseSqrt(a.first), inverseSqrt(a.second) }; }

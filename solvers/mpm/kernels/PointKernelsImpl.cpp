@@ -101,9 +101,10 @@ public:
   static constexpr int own = N / Cells; ///< lanes of a cell
   /// Whether a cell's first points begin its moments: in a plane zeros cost less than as much code again.
   static constexpr bool fresh = Dim == 3;
-  /// Whether the stress is found of two chunks at once: its operations wait for each other, and those of the other
-  /// chunk fill the gaps. Short laws have none to fill, and twice as many lanes no registers.
   static constexpr bool yields = Law::history > 0;
+  /// Whether the stress is found of two chunks at once: its operations wait for each other, and those of the other
+  /// chunk fill the gaps. Short laws have none to fill, and twice as many lanes no registers, nor have walls that
+  /// yield.
   static constexpr bool pairs = Dim == 3 && Whole && !single && Law::kind != LawKind::NeoHookean && !yields;
   static constexpr double mostFinite = 1e38; ///< in both precisions
   static_assert(!yields || !single);
@@ -483,8 +484,8 @@ private:
   {
     CellPlace<R> at[3] = { place(0, 0, x[0]), place(0, 1, x[1]), place(0, Dim - 1, x[Dim - 1]) };
     const unsigned here = present(chunk);
-    if (here !=
-      (1U << N) - 1) // other lanes have points of other cells, which must not be torn by velocities far from them
+    // lanes without one have points of other cells, which velocities far from them would tear
+    if (here != (1U << N) - 1)
       for (int a = 0; a < 3; ++a)
         at[a] = CellPlace<R>(select(R::where(here), at[a].e, R(0.0)));
     Matrix<Dim, R> L;
