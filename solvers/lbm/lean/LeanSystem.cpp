@@ -65,7 +65,8 @@ public:
   [[nodiscard]] static int sweeps() { return 3; } ///< before and after
   [[nodiscard]] static double slowest() { return 0.5; }
   static constexpr Method method = Method::LeanMultigrid;
-  static constexpr double leastRate = 0; // rates rise smoothly
+  /// Rates rise smoothly, but late where phases differ much.
+  [[nodiscard]] static double leastRate(double contrast) { return contrast > mild ? 0.4 : 0; }
   static constexpr const char* tooMuch = "thin walls that insulate are too much for blocks of nodes: ";
 
 private:
@@ -84,7 +85,8 @@ class PieceCorrection : public PieceMultigrid
 public:
   using PieceMultigrid::PieceMultigrid;
   static constexpr Method method = Method::PieceMultigrid;
-  static constexpr double leastRate = 0.25; // a quick cycle may be followed by a slow one
+  /// A quick cycle may be followed by a slow one, more so where phases differ much.
+  [[nodiscard]] static double leastRate(double contrast) { return contrast > mild ? 0.5 : 0.25; }
   static constexpr const char* tooMuch = "";
 };
 
@@ -221,7 +223,7 @@ public:
       if (std::isnan(rate) || (std::isnan(rateBefore) && !options.rough))
         continue;
       const double rising = std::isnan(rateBefore) ? 0.0 : rate - rateBefore;
-      const double next = std::max({ Correction::leastRate, rate, rate + rising });
+      const double next = std::max({ Correction::leastRate(differing), rate, rate + rising });
       double left = rate > 0 && next < 1 && !rises ? safety * fall * next / (1 - next) : 1.0;
       if (result.solverError > 0) // one fall may be small by chance
       {
@@ -340,6 +342,7 @@ private:
     double energy = evaluate();
     double fall = 0;
     std::array<double, 3> rates{ 1, 1, 1 };
+    const double differing = contrast();
     int slow = 0;
     result.bytes += static_cast<std::uint64_t>(problem_.comm.sum(
       static_cast<std::int64_t>(exact_->bytes() + 4 * static_cast<std::size_t>(problem_.parts.block().count()))));
@@ -360,7 +363,7 @@ private:
         fail(result, "");
       const double before = std::exchange(fall, (std::exchange(energy, now) - now) / now);
       rates = { rates[1], rates[2], before > 0 ? std::abs(fall) / before : 1.0 };
-      const double rate = std::max(std::ranges::max(rates), Correction::leastRate);
+      const double rate = std::max(std::ranges::max(rates), Correction::leastRate(differing));
       // where nothing falls any more it is double precision that ends it
       const bool lost = isLost(sums);
       result.solverError = lost        ? 1.0
