@@ -38,7 +38,7 @@ def slabs(ny, ranks):
     halvings = 7
     while halvings > 0:
         heights = [b - a for a, b in zip(begins(halvings), begins(halvings)[1:])]
-        most = math.ceil(ny / ranks) + (1 if halvings == 1 and ny // ranks >= 8 else 0)
+        most = math.ceil(ny / ranks) + (1 if halvings == 1 and ny // ranks >= 2 * coarse_reach(REACH) else 0)
         if min(heights) >= REACH and max(heights) <= max(1.04 * ny / ranks, most):
             break
         halvings -= 1
@@ -62,78 +62,135 @@ def coarse_reach(reach):
     return reach // 2 + 1 if reach % 2 == 0 else (reach + 1) // 2
 
 
+def agglomerated(rows, reach, ranks):
+    """Rows at which thicker slabs of a level begin, and rows, and which of its ranks have them; solvers/peridynamics/multigrid/Agglomeration.cpp."""
+    count = min(ranks, max(1, (rows >> 2) // reach))
+    halvings = 6
+    while halvings > 2 and (rows >> halvings) // count < 4:
+        halvings -= 1
+    return [((rows >> halvings) * s // count) << halvings for s in range(count)] + [rows], [s * ranks // count for s in range(count)]
+
+
+class Level:
+    """One level: its nodes across, rim, rows at which slabs begin (and how many rows), and the ranks that have them. None of both: whole on `holders`."""
+
+    def __init__(self, size, ghost, begins, holders, whole, halvings=0):
+        self.size, self.ghost, self.begins, self.holders, self.whole, self.halvings = size, ghost, begins, holders, whole, halvings
+        self.relays = False  # the next level is the same lattice on fewer ranks, or whole
+
+    def nodes(self):
+        return self.size[0] * self.size[1]
+
+
 def levels_of(nx, ny, ranks):
-    """Shared levels, finest first: nodes across, ghost. Nodes of the whole ones. None for these: the finest cannot be halved."""
-    begins = slabs(ny, ranks)
-    size, ghost, shared, reach = (nx, ny), REACH, [(nx, REACH)], REACH
-    whole = ranks == 1
-    wholes = [nx * ny] if whole else []
-    while size[0] * size[1] > COARSEST:
-        heights = [b - a for a, b in zip(begins, begins[1:])]
-        good = whole or (size[0] * size[1] > GATHER and all(b % 2 == 0 for b in begins[:-1]) and all(h % 2 == 0 for h in heights[:-1])
-                         and all(h // 2 >= coarse_reach(reach) for h in heights))
-        if not good:
-            if len(shared) == 1:
-                return shared, None
-            whole = True
-            wholes.append(size[0] * size[1])
+    """The finest first; None: it cannot be halved."""
+    levels = [Level((nx, ny), REACH, slabs(ny, ranks), list(range(ranks)), ranks == 1)]
+    reach = REACH
+    while levels[-1].nodes() > COARSEST:
+        last = levels[-1]
+        heights = [b - a for a, b in zip(last.begins, last.begins[1:])]
+        small = not last.whole and last.nodes() <= GATHER
+        if last.whole or (not small and all(b % 2 == 0 for b in last.begins[:-1]) and all(h % 2 == 0 for h in heights[:-1])
+                          and all(h // 2 >= coarse_reach(reach) for h in heights)):
+            size = (last.size[0] // 2 + 1, last.size[1] // 2 + 1)
+            reach = coarse_reach(reach)
+            levels.append(Level(size, reach, [b // 2 for b in last.begins[:-1]] + [size[1]], last.holders, last.whole, last.halvings + 1))
             continue
-        size = (size[0] // 2 + 1, size[1] // 2 + 1)
-        reach = ghost = coarse_reach(reach)
-        begins = [b // 2 for b in begins[:-1]] + [size[1]]
-        if whole:
-            wholes.append(size[0] * size[1])
+        if len(levels) == 1:
+            return None
+        last.relays = True
+        begins, leaders = agglomerated(last.size[1], coarse_reach(reach), len(last.holders))
+        if small or len(leaders) == 1:
+            levels.append(Level(last.size, reach, [0, last.size[1]], last.holders, True, last.halvings))
         else:
-            shared.append((size[0], ghost))
-    return shared, wholes
+            levels.append(Level(last.size, reach, begins, [last.holders[r] for r in leaders], False, last.halvings))
+    return levels
 
 
-def cycles_of(count, first_is_gathered_at=None):
-    """Times that each of so many levels is visited, and cycles on it, by one application."""
+def cycles_of(levels):
+    """Times that each level is visited, and cycles on it, by one application."""
     visits, cycles = [1], [1]
-    for index in range(1, count):
+    for index, level in enumerate(levels[1:], 1):
         visits.append(cycles[-1])
-        last = index + 1 == count
-        twice = index >= TWICE_FROM and not last and index != first_is_gathered_at
+        twice = level.halvings >= TWICE_FROM and index + 1 < len(levels) and not level.relays
         cycles.append(visits[-1] * (2 if twice else 1))
     return visits, cycles
 
 
+KEYS = ("messages", "bytes", "waits", "reductions", "gatherings", "gathered", "whole", "coarsest", "thick")
+
+
 def motion_counts(nx, ranks):
-    """Of a step, of a rank in the middle."""
+    """Of a step: of a rank in the middle, and in the mean."""
     sides = min(2, ranks - 1)
-    return {"messages": sides * COMPONENTS, "bytes": sides * COMPONENTS * REACH * 8 * pitch(nx, REACH), "waits": min(1, sides),
-            "reductions": 1 + 2 / GUARD, "gatherings": 0, "gathered": 0, "whole": 0, "coarsest": 0}
+    most = dict.fromkeys(KEYS, 0.0) | {"messages": sides * COMPONENTS, "bytes": sides * COMPONENTS * REACH * 8 * pitch(nx, REACH), "waits": min(1, sides),
+                                       "reductions": 1 + 2 / GUARD}
+    share = 2 * (ranks - 1) / ranks / max(1, sides)
+    return most, most | {"messages": most["messages"] * share, "bytes": most["bytes"] * share}
 
 
 def iteration_counts(nx, ny, ranks):
-    """Of an iteration of conjugate gradients, of a rank in the middle; None without levels."""
-    shared, wholes = levels_of(nx, ny, ranks)
-    if wholes is None:
+    """Of an iteration of conjugate gradients: the most of a rank, and the mean; None without levels. `whole`: nodes of whole levels, times visits;
+    `thick`: those of thicker slabs on fewer ranks, beyond an even share of all."""
+    levels = levels_of(nx, ny, ranks)
+    if levels is None:
         return None
-    sides = min(2, ranks - 1)
-    c = dict.fromkeys(("messages", "bytes", "waits", "reductions", "gatherings", "gathered", "whole", "coarsest"), 0.0)
-    c["reductions"] = 3
+    every = [dict.fromkeys(KEYS, 0.0) | {"reductions": 3} for _ in range(ranks)]
+
+    def result():
+        return ({key: max(c[key] for c in every) for key in KEYS}, {key: sum(c[key] for c in every) / ranks for key in KEYS})
+
     if ranks == 1:
-        return c
-    gathered_at = len(shared) - 1
-    visits, cycles = cycles_of(len(shared) + len(wholes), gathered_at)
+        return result()
+    visits, cycles = cycles_of(levels)
 
-    def exchange(times, width, ghost, size):
-        c["messages"] += times * sides * COMPONENTS
-        c["bytes"] += times * sides * COMPONENTS * ghost * size * pitch(width, ghost)
-        c["waits"] += times
+    def exchange(level, times, size):
+        for place, rank in enumerate(level.holders):
+            sides = (place > 0) + (place + 1 < len(level.holders))
+            every[rank]["messages"] += times * sides * COMPONENTS
+            every[rank]["bytes"] += times * sides * COMPONENTS * level.ghost * size * pitch(level.size[0], level.ghost)
+            every[rank]["waits"] += times if sides else 0
 
-    exchange(1, nx, REACH, 8)  # the direction, in double precision
-    for index, (width, ghost) in enumerate(shared):
-        own = 0 if index == gathered_at else 3 * cycles[index] + cycles[index] - visits[index]
-        exchange(own + (visits[index] if index > 0 else 0), width, ghost, 4)
-    times = visits[gathered_at]
-    c["gatherings"] = (1 + COMPONENTS) * times  # how long, and what
-    c["gathered"] = times * COMPONENTS * (4 * pitch(*shared[-1]) * wholes[0] / shared[-1][0] + 4 * ranks) * (1 - 1 / ranks)
-    c["whole"] = sum(n * k for n, k in zip(wholes, cycles[len(shared):]))
-    c["coarsest"] = cycles[-1]
-    return c
+    def slabs_of(level):
+        return zip(level.holders, level.begins, level.begins[1:])
+
+    exchange(levels[0], 1, 8)  # the direction, in double precision
+    for index, level in enumerate(levels):
+        before = levels[index - 1] if index > 0 else None
+        after_relay = before is not None and before.relays
+        if level.whole:
+            for rank in level.holders:
+                every[rank]["whole"] += level.nodes() * cycles[index]
+                every[rank]["coarsest"] += cycles[index] if index + 1 == len(levels) else 0
+        else:
+            own = 0 if level.relays else 3 * cycles[index] + cycles[index] - visits[index]
+            exchange(level, own + (visits[index] if index > 0 and not after_relay else 0), 4)
+            if len(level.holders) < ranks and not level.relays:
+                for rank, begin, end in slabs_of(level):
+                    every[rank]["thick"] += (level.size[0] * (end - begin) - level.nodes() / ranks) * cycles[index]
+        if not after_relay:
+            continue
+        times = visits[index - 1]
+        row = 4 * COMPONENTS * pitch(level.size[0], level.ghost)
+        if level.whole:
+            parts = len(level.holders)
+            for rank in level.holders:
+                every[rank]["gatherings"] += (1 + COMPONENTS) * times  # how long, and what
+            for rank, begin, end in slabs_of(before):
+                every[rank]["gathered"] += times * (row * (level.size[1] - end + begin) + 4 * (parts - 1))
+            continue
+        waits = [[False, False] for _ in range(ranks)]  # there, and back
+        for rank, begin, end in slabs_of(before):
+            for leader, first, last in slabs_of(level):
+                rows = min(end, last) - max(begin, first)
+                if rows > 0 and rank != leader:
+                    for way, sender in enumerate((rank, leader)):
+                        every[sender]["messages"] += times
+                        every[sender]["bytes"] += times * rows * row
+                        waits[rank][way] = waits[leader][way] = True
+        for rank in range(ranks):
+            every[rank]["waits"] += times * sum(waits[rank])
+    return result()
 
 
 def seconds(model, what, size, rows, ranks, link):
@@ -142,15 +199,16 @@ def seconds(model, what, size, rows, ranks, link):
     begins = slabs(ny, ranks)
     if begins is None:
         return None
-    c = motion_counts(nx, ranks) if what == "motion" else iteration_counts(nx, ny, ranks)
-    if c is None:
+    found = motion_counts(nx, ranks) if what == "motion" else iteration_counts(nx, ny, ranks)
+    if found is None:
         return None
+    c = found[0]
     m = model[what]
     work = m["bond"] * max(visited(rows, begins)) + (m["fixed"] + m["sent"] * c["bytes"] if ranks > 1 else 0)
     if ranks == 1:
         return [work, 0, 0, 0, 0]
     hops = math.log2(ranks) * link["latency"]
-    return [work, m["whole"] * c["whole"] + m["coarsest"] * c["coarsest"], c["messages"] * link["latency"], (c["bytes"] + c["gathered"]) / link["bandwidth"],
+    return [work, m["whole"] * (c["whole"] + c["thick"]) + m["coarsest"] * c["coarsest"], c["messages"] * link["latency"], (c["bytes"] + c["gathered"]) / link["bandwidth"],
             (c["reductions"] + c["gatherings"]) * hops]
 
 
@@ -177,7 +235,7 @@ def calibrate(counts, times):
         for r in (r for r in mine if r["ranks"] >= 8):
             left = per_unit(r, "work") - bond[r["nx"]] * r["visited"]
             if what == "equilibrium":
-                c = iteration_counts(int(r["nx"]), int(r["ny"]), int(r["ranks"]))
+                c = iteration_counts(int(r["nx"]), int(r["ny"]), int(r["ranks"]))[1]
                 whole.append((c["whole"], c["coarsest"], per_unit(r, "whole")))
                 left = (left - per_unit(r, "whole")) / per_unit(r, "bytes")
             beside.append(left)
@@ -198,7 +256,8 @@ def check_counts(counts, model, rows):
         worst = {}
         for r in (r for r in counts if r["what"] == what and r["ranks"] > 1):
             size, ranks = (int(r["nx"]), int(r["ny"])), int(r["ranks"])
-            c = motion_counts(size[0], ranks) if what == "motion" else iteration_counts(*size, ranks)
+            most, mean = motion_counts(size[0], ranks) if what == "motion" else iteration_counts(*size, ranks)
+            c = mean | {"messages": most["messages"], "bytes": most["bytes"]}
             once = {} if what == "motion" else {"messages": 4, "waits": 4, "reductions": 3}  # products beside those of iterations
             for key, column in (("messages", "messages_most"), ("bytes", "bytes_most"), ("waits", "waits"), ("reductions", "reductions"),
                                 ("gatherings", "gatherings"), ("gathered", "gathered")):
@@ -206,14 +265,15 @@ def check_counts(counts, model, rows):
                 if key == "messages":
                     told += once.get(key, 0) * min(2, ranks - 1) * COMPONENTS
                 elif key == "bytes" and once:
-                    told += 4 * motion_counts(size[0], ranks)["bytes"]
+                    told += 4 * motion_counts(size[0], ranks)[0]["bytes"]
                 else:
                     told += once.get(key, 0)
                 if r[column]:
                     worst[key] = max(worst.get(key, 0), abs(told / r[column] - 1))
             worst["bonds visited"] = max(worst.get("bonds visited", 0), abs(max(visited(rows[size[0]], slabs(size[1], ranks))) / r["visited_most"] - 1))
-            mine = {what: {**model[what], "bond": model[what]["counted"][r["nx"]]}}
-            work = sum(seconds(mine, what, size, rows[size[0]], ranks, CLUSTER)[:2]) - mine[what]["bond"] * (r["visited_most"] - r["visited"])
+            m = model[what]
+            work = (m["counted"][r["nx"]] * r["visited"] + m["fixed"] + m["sent"] * mean["bytes"] + m["whole"] * mean["whole"]
+                    + m["coarsest"] * mean["coarsest"])
             worst["work"] = max(worst.get("work", 0), abs(work / per_unit(r, "work") - 1))
         print(f"  {what}: " + ", ".join(f"{key} {100 * w:.1f} %" for key, w in worst.items()))
 
@@ -293,7 +353,7 @@ def draw(picture, counts, predicted, model, rows):
             axes[0].plot([r["ranks"] for r in more], [r["bytes_most"] / r["units"] / 1e3 for r in more], "o", markersize=4, color=colour, label=label)
             told = [p for p in PREDICTED_FOR if p > 1 and slabs(2 * nx, p)]
             told = [(p, motion_counts(nx, p) if what == "motion" else iteration_counts(nx, 2 * nx, p)) for p in told]
-            axes[0].plot([p for p, c in told if c], [c["bytes"] / 1e3 for p, c in told if c], "--", linewidth=0.9, color=colour)
+            axes[0].plot([p for p, c in told if c], [c[0]["bytes"] / 1e3 for p, c in told if c], "--", linewidth=0.9, color=colour)
             axes[1].plot([r["ranks"] for r in mine], [1e3 * r["work_most"] / r["units"] for r in mine], "o", markersize=4, color=colour, label=label)
         of = [r for r in predicted if r["link"] == "QDR" and r["what"] == what and r["nx"] == nx]
         if more:

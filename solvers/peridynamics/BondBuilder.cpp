@@ -6,6 +6,7 @@
 #include "peridynamics/NotchCut.h"
 #include "peridynamics/RimExchange.h"
 #include "peridynamics/kernels/RowKernels.h"
+#include "peridynamics/multigrid/Galerkin.h"
 
 #include <fmt/format.h>
 
@@ -74,7 +75,7 @@ Block slab(const Lattice& lattice, const Stencil& stencil, const Communicator& c
       fmt::format("run it on at most {} ranks", std::max<std::int64_t>(1, n / stencil.layers())));
   // Slabs begin at layers that can be halved often, for coarser lattices, as long as shares stay within 4 % of even, or
   // no slab is thicker than one must be. To halve them once, without which there is no multigrid, is worth a layer.
-  constexpr std::int64_t worthHalving = 8; // layers: of fewer a coarse level has too few to be shared out
+  const std::int64_t worthHalving = 2 * coarseReach(stencil.layers()); // layers: fewer cannot be
   const auto begin = [&](std::int64_t rank, int halvings)
   { return rank == ranks ? n : ((n >> halvings) * rank / ranks) << halvings; };
   int halvings = 7;

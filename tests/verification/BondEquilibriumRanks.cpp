@@ -2,7 +2,9 @@
 #include "BondSamples.h"
 
 #include "peridynamics/Fragments.h"
+#include "peridynamics/multigrid/BondMultigrid.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,37 +16,110 @@ namespace
 using namespace lamella;
 using namespace lamella::test;
 
+// The same on one rank and on all.
+void expectAlike(const BondModel& m, const Sample& s, const Loading& loading, const EquilibriumOptions& options)
+{
+  const BondLattice whole = latticeOf(m, s, alone());
+  const BondLattice part = latticeOf(m, s, everyone());
+  const Solution a = solve(whole, loading, options);
+  const Solution b = solve(part, loading, options);
+  const NodeLayout& l = part.layout();
+  double size = 0;
+  double most = 0;
+  for (int c = 0; c < l.dimension; ++c)
+    for (std::int64_t z = 0; z < l.size[2]; ++z)
+      for (std::int64_t y = 0; y < l.size[1]; ++y)
+        for (std::int64_t x = 0; x < l.size[0]; ++x)
+        {
+          const double there = a.u.at(c, x, y + l.start[1], z + l.start[2]);
+          if (part.degree(l.index(x, y, z)) > 0)
+            most = std::max(most, std::abs(there - b.u.at(c, x, y, z)));
+          size = std::max(size, std::abs(there));
+        }
+  EXPECT_LT(most / size, 1e-9);
+  const auto axis = static_cast<std::size_t>(loading.axis < 0 ? l.dimension - 1 : loading.axis);
+  EXPECT_NEAR(a.reaction.low[axis], b.reaction.low[axis], 1e-9 * std::abs(a.reaction.low[axis]));
+  EXPECT_NEAR(largestStretch(whole, a.u, false).ratio, largestStretch(part, b.u, false).ratio,
+    1e-8 * largestStretch(whole, a.u, false).ratio);
+  EXPECT_EQ(findFragments(whole).pieces.size(), findFragments(part).pieces.size());
+}
+
 TEST(BondEquilibriumRanks, AnyNumberOfRanks)
 {
   for (const int dimension : { 2, 3 })
   {
-    const Sample s = dimension == 2 ? aggregate(64, 150) : aggregate(16, 18, 40);
+    SCOPED_TRACE(dimension);
     BondModel m = aggregateModel(dimension);
     m.periodic[0] = true;
-    const BondLattice whole = latticeOf(m, s, alone());
-    const BondLattice part = latticeOf(m, s, everyone());
-    const Solution a = solve(whole, {}, with(EquilibriumSolver::Multigrid, 1e-12));
-    const Solution b = solve(part, {}, with(EquilibriumSolver::Multigrid, 1e-12));
-    const NodeLayout& l = part.layout();
-    double size = 0;
-    double most = 0;
-    for (int c = 0; c < dimension; ++c)
-      for (std::int64_t z = 0; z < l.size[2]; ++z)
-        for (std::int64_t y = 0; y < l.size[1]; ++y)
-          for (std::int64_t x = 0; x < l.size[0]; ++x)
-          {
-            const double there = a.u.at(c, x, y + l.start[1], z + l.start[2]);
-            if (part.degree(l.index(x, y, z)) > 0)
-              most = std::max(most, std::abs(there - b.u.at(c, x, y, z)));
-            size = std::max(size, std::abs(there));
-          }
-    EXPECT_LT(most / size, 1e-9) << dimension;
-    const auto axis = static_cast<std::size_t>(dimension - 1);
-    EXPECT_NEAR(a.reaction.low[axis], b.reaction.low[axis], 1e-9 * std::abs(a.reaction.low[axis]));
-    EXPECT_NEAR(largestStretch(whole, a.u, false).ratio, largestStretch(part, b.u, false).ratio,
-      1e-8 * largestStretch(whole, a.u, false).ratio);
-    EXPECT_EQ(findFragments(whole).pieces.size(), findFragments(part).pieces.size());
+    expectAlike(
+      m, dimension == 2 ? aggregate(64, 150) : aggregate(16, 18, 40), {}, with(EquilibriumSolver::Multigrid, 1e-12));
   }
+}
+
+// A cycle of multigrid for some residual, on one rank and on all.
+double differenceOfCycles(const BondModel& m, const Sample& s, const Loading& loading, const MultigridOptions& options)
+{
+  const BondLattice whole = latticeOf(m, s, alone());
+  const BondLattice part = latticeOf(m, s, everyone());
+  const LoadedSample loadedWhole = applyLoading(whole, loading);
+  const LoadedSample loadedPart = applyLoading(part, loading);
+  BondMultigrid a(whole, loadedWhole.fixed, options);
+  BondMultigrid b(part, loadedPart.fixed, options);
+  NodeField<double> r(whole.layout());
+  NodeField<double> mine(part.layout());
+  const NodeLayout& l = part.layout();
+  const auto residual = [](int c, std::int64_t x, std::int64_t y, std::int64_t z)
+  { return std::sin(0.1 * static_cast<double>(3 * x + 7 * y + 5 * z + 11 * c)); };
+  for (int c = 0; c < l.dimension; ++c)
+  {
+    for (std::int64_t z = 0; z < l.global[2]; ++z)
+      for (std::int64_t y = 0; y < l.global[1]; ++y)
+        for (std::int64_t x = 0; x < l.global[0]; ++x)
+          r.at(c, x, y, z) = residual(c, x, y, z);
+    for (std::int64_t z = 0; z < l.size[2]; ++z)
+      for (std::int64_t y = 0; y < l.size[1]; ++y)
+        for (std::int64_t x = 0; x < l.size[0]; ++x)
+          mine.at(c, x, y, z) = residual(c, x, y + l.start[1], z + l.start[2]);
+  }
+  const NodeField<float>& there = a.apply(r, 1);
+  const NodeField<float>& here = b.apply(mine, 1);
+  double most = 0;
+  double size = 0;
+  for (int c = 0; c < l.dimension; ++c)
+    for (std::int64_t z = 0; z < l.size[2]; ++z)
+      for (std::int64_t y = 0; y < l.size[1]; ++y)
+        for (std::int64_t x = 0; x < l.size[0]; ++x)
+        {
+          const auto of = static_cast<double>(there.at(c, x, y + l.start[1], z + l.start[2]));
+          most = std::max(most, std::abs(static_cast<double>(here.at(c, x, y, z)) - of));
+          size = std::max(size, std::abs(of));
+        }
+  return everyone().max(most) / everyone().max(size);
+}
+
+// Slabs that are too thin to be halved, or begin at odd layers, go on as thicker ones on fewer ranks, and a cycle is
+// the same but for round-off in single precision, most of it where little holds: 9e-6 at most on 2 to 8 ranks. 42
+// layers are two slabs on three ranks and on four after a halving, 82 as many as there are ranks, and fewer later.
+TEST(BondEquilibriumRanks, CoarseLevelsOnFewerRanks)
+{
+  for (const int dimension : { 2, 3 })
+    for (const std::int64_t layers : { 42, 82 })
+      for (const bool ring : { false, true })
+      {
+        SCOPED_TRACE(fmt::format("{} dimensions, {} layers, ring {}", dimension, layers, ring));
+        BondModel m = aggregateModel(dimension);
+        Loading loading;
+        if (ring)
+        {
+          m.periodic[static_cast<std::size_t>(dimension - 1)] = true;
+          loading.axis = 0;
+        }
+        EquilibriumOptions options = with(EquilibriumSolver::Multigrid, 1e-12);
+        options.multigrid.gather = 100;
+        const Sample s = dimension == 2 ? aggregate(64, layers) : aggregate(16, 18, layers);
+        EXPECT_LT(differenceOfCycles(m, s, loading, options.multigrid), 3e-5);
+        expectAlike(m, s, loading, options);
+      }
 }
 
 // Multigrid needs slabs that begin at even layers. 22 layers on four ranks are 6 for one of them anyway; 42 are 11, and
@@ -57,7 +132,7 @@ TEST(BondEquilibriumRanks, SlabsCanBeHalved)
   {
     const Block b = slab(makeLattice(8, layers, 1, 2, 1e-6), stencil, everyone());
     const double even = static_cast<double>(layers) / static_cast<double>(ranks);
-    EXPECT_LE(static_cast<double>(b.size[1]), std::max(std::ceil(even) + (even >= 8 ? 1 : 0), 1.04 * even)) << layers;
+    EXPECT_LE(static_cast<double>(b.size[1]), std::max(std::ceil(even) + (even >= 4 ? 1 : 0), 1.04 * even)) << layers;
     EXPECT_EQ(everyone().sum(b.size[1]), layers);
     if (ranks == 4)
       EXPECT_EQ(b.start[1] % 2, 0) << layers;

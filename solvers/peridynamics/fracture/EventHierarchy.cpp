@@ -76,6 +76,7 @@ MultigridOptions EventHierarchy::multigridOptions(int dimension) noexcept
 {
   MultigridOptions options;
   options.lean = dimension == 3;
+  options.twiceBelow = BondMultigrid::maxLevels;
   options.packFrom = dimension == 3 ? options.gather : 0;
   if (dimension == 2)
     options.twiceFrom = 4; // the larger levels twice cost more than the iterations that they save

@@ -66,14 +66,14 @@ BondMultigrid::BondMultigrid(
   const NodeField<float> diagonal = buildFinest();
   if (coarsenable())
     coarsen(rowsOfBonds(bonds_, fixed_, diagonal));
-  while (levels_.size() > 1)
+  while (levels_.size() > 1 && !levels_.back()->gathered) // others have the rest
     if (coarsenable())
       coarsen(rowsOf(*levels_.back()));
     else if (levels_.back()->comm->parallel())
       gather();
     else
       break;
-  if (levels_.size() > 1 && CoarsestLevel::possible(levels_.back()->layout))
+  if (levels_.size() > 1 && !levels_.back()->gathered && CoarsestLevel::possible(levels_.back()->layout))
     coarsest_.emplace(*levels_.back());
   for (const auto& level : levels_)
     level->arrange();
@@ -102,9 +102,8 @@ NodeField<float> BondMultigrid::buildFinest()
   return std::move(blocks.all);
 }
 
-bool BondMultigrid::coarsenable() const
+bool BondMultigrid::halvable(const Level& level) const
 {
-  const Level& level = *levels_.back();
   const NodeLayout& l = level.layout;
   std::int64_t nodes = 1;
   std::int64_t coarse = 1;
@@ -118,14 +117,21 @@ bool BondMultigrid::coarsenable() const
     // over them once
     possible = possible && (!isFolded(l, level.periodic, a) || (l.ghost > 1 && l.global[a] > reach(level) + 1));
   }
-  if (!possible || nodes <= options_.coarsest || coarse >= nodes || levels_.size() >= maxLevels)
+  return possible && nodes > options_.coarsest && coarse < nodes && levels_.size() < maxLevels &&
+    (!level.comm->parallel() || nodes > options_.gather);
+}
+
+bool BondMultigrid::coarsenable() const
+{
+  const Level& level = *levels_.back();
+  const NodeLayout& l = level.layout;
+  if (!halvable(level))
     return false;
   if (!level.comm->parallel())
     return true;
   const auto a = static_cast<std::size_t>(l.dimension - 1);
   const bool last = l.start[a] + l.size[a] == l.global[a];
-  const bool good = l.start[a] % 2 == 0 && (last || l.size[a] % 2 == 0) && l.size[a] / 2 >= coarseReach(reach(level)) &&
-    nodes > options_.gather;
+  const bool good = l.start[a] % 2 == 0 && (last || l.size[a] % 2 == 0) && l.size[a] / 2 >= coarseReach(reach(level));
   return !level.comm->any(!good);
 }
 
@@ -138,6 +144,7 @@ void BondMultigrid::coarsen(const MatrixRows& rows)
 {
   const Level& fine = *levels_.back();
   auto coarse = std::make_unique<Level>();
+  coarse->halvings = fine.halvings + 1;
   const NodeLayout& l = fine.layout;
   std::array<std::int64_t, 3> size = l.size;
   std::array<std::int64_t, 3> start = l.start;
@@ -252,30 +259,56 @@ void BondMultigrid::translate(const MatrixRows& rows)
   }
 }
 
-// The same lattice, whole on every rank, which then does the rest for itself.
+// The same lattice in thicker slabs on fewer ranks, where it can be halved then; otherwise whole on every rank, which
+// then does the rest for itself.
 void BondMultigrid::gather()
 {
   Level& part = *levels_.back();
   part.gathered = true;
+  const NodeLayout& l = part.layout;
+  const std::int64_t slabs = halvable(part)
+    ? Agglomeration::slabs(l.global[static_cast<std::size_t>(l.dimension - 1)], coarseReach(reach(part)), *part.comm)
+    : 1;
   auto whole = std::make_unique<Level>();
-  whole->layout = NodeLayout::make(
-    part.layout.dimension, part.layout.ghost, part.layout.global, {}, part.layout.global, part.periodic[0]);
-  whole->periodic = part.periodic;
+  whole->halvings = part.halvings;
   whole->comm = &alone_;
-  whole->rim = LevelRim(whole->layout, whole->periodic, alone_);
-  whole->half = part.half;
-  whole->blocks = NodeField<float>(whole->layout, part.blocks.components());
-  whole->diagonal = NodeField<float>(whole->layout, part.diagonal.components());
-  gatherField(part, part.blocks, *whole, whole->blocks);
-  gatherField(part, part.diagonal, *whole, whole->diagonal);
+  whole->layout = NodeLayout::make(l.dimension, l.ghost, l.global, {}, l.global, part.periodic[0]);
+  if (slabs > 1)
+  {
+    part.agglomeration = std::make_unique<Agglomeration>(l, *part.comm, slabs);
+    whole->comm = &part.agglomeration->comm();
+    whole->layout = part.agglomeration->layout();
+  }
+  const bool mine = slabs == 1 || part.agglomeration->leads();
+  if (mine)
+  {
+    whole->periodic = part.periodic;
+    whole->rim = LevelRim(whole->layout, whole->periodic, *whole->comm);
+    whole->half = part.half;
+    whole->blocks = NodeField<float>(whole->layout, part.blocks.components());
+    whole->diagonal = NodeField<float>(whole->layout, part.diagonal.components());
+  }
+  for (auto [from, to] : { std::pair(&part.blocks, &whole->blocks), std::pair(&part.diagonal, &whole->diagonal) })
+    for (int c = 0; c < from->components(); ++c) // one by one: a message is shorter
+      gatherField(part, *from, c, 1, mine ? to : nullptr);
+  // corrections and residuals are left
+  part.half.clear();
+  part.blocks = part.diagonal = part.inverse = part.d = NodeField<float>();
+  if (!mine)
+    return;
   whole->rim.fill(whole->blocks);
   whole->rim.fill(whole->diagonal);
   addLevel(std::move(whole));
 }
 
 void BondMultigrid::gatherField(
-  const Level& part, const NodeField<float>& field, const Level& whole, NodeField<float>& out) const
+  const Level& part, const NodeField<float>& field, int first, int count, NodeField<float>* out) const
 {
+  if (part.agglomeration)
+  {
+    part.agglomeration->gather(field, out, first, count);
+    return;
+  }
   const auto a = static_cast<std::size_t>(part.layout.dimension - 1);
   const Communicator& comm = *part.comm;
   const std::int64_t layer = (part.layout.dimension == 3 ? part.layout.rowsY() : 1) * part.layout.pitch;
@@ -285,10 +318,31 @@ void BondMultigrid::gatherField(
   MPI_Allgather(&mine, 1, MPI_INT, counts.data(), 1, MPI_INT, comm.handle());
   for (std::size_t r = 1; r < counts.size(); ++r)
     begins[r] = begins[r - 1] + counts[r - 1];
-  for (int c = 0; c < field.components(); ++c) // the pitch is the same
+  for (int c = first; c < first + count; ++c) // the pitch is the same
     MPI_Allgatherv(field.component(c) + part.layout.begin(0) + part.layout.ghost * layer, mine, MPI_FLOAT,
-      out.component(c) + whole.layout.begin(0) + whole.layout.ghost * layer, counts.data(), begins.data(), MPI_FLOAT,
+      out->component(c) + out->layout().begin(0) + out->layout().ghost * layer, counts.data(), begins.data(), MPI_FLOAT,
       comm.handle());
+}
+
+// What the ranks with the level's thicker slabs, or each for itself, find for it.
+void BondMultigrid::visitGathered(std::size_t index)
+{
+  Level& level = *levels_[index];
+  const int d = level.layout.dimension;
+  Level* whole = index + 1 < levels_.size() ? levels_[index + 1].get() : nullptr;
+  gatherField(level, level.r, 0, d, whole != nullptr ? &whole->r : nullptr);
+  if (whole != nullptr)
+    visit(index + 1);
+  if (level.agglomeration)
+  {
+    level.agglomeration->spread(whole != nullptr ? &whole->x : nullptr, level.x);
+    return;
+  }
+  const auto a = static_cast<std::size_t>(d - 1);
+  const std::int64_t layer = (d == 3 ? level.layout.rowsY() : 1) * level.layout.pitch;
+  for (int c = 0; c < d; ++c)
+    std::copy_n(whole->x.component(c) + whole->layout.begin(0) + (whole->layout.ghost + level.layout.start[a]) * layer,
+      level.layout.size[a] * layer, level.x.component(c) + level.layout.begin(0) + level.layout.ghost * layer);
 }
 
 void BondMultigrid::shareOut(const LayerShare& layers)
@@ -431,12 +485,14 @@ void BondMultigrid::smooth(std::size_t index, bool first)
   }
 }
 
-// A W-cycle from the third level on, where it costs next to nothing: it is there that bilinear interpolation no longer
-// knows how thin walls bend.
+// A W-cycle from the third level to the fifth, where it costs next to nothing: it is there that bilinear interpolation
+// no longer knows how thin walls bend.
 void BondMultigrid::visit(std::size_t index)
 {
   cycle(index, true);
-  if (index < options_.twiceFrom || levels_[index]->gathered || index + 1 == levels_.size())
+  const Level& level = *levels_[index];
+  if (level.halvings < options_.twiceFrom || level.halvings >= options_.twiceBelow || level.gathered ||
+    index + 1 == levels_.size())
     return;
   subtract(index); // what smoothing added last: r is the residual of x again
   cycle(index, false);
@@ -445,6 +501,11 @@ void BondMultigrid::visit(std::size_t index)
 void BondMultigrid::cycle(std::size_t index, bool fromZero)
 {
   Level& level = *levels_[index];
+  if (level.gathered)
+  {
+    visitGathered(index);
+    return;
+  }
   if (index > 0 && index + 1 == levels_.size())
   {
     if (coarsest_)
@@ -459,18 +520,6 @@ void BondMultigrid::cycle(std::size_t index, bool fromZero)
       subtract(index);
       smooth(index, false);
     }
-    return;
-  }
-  if (level.gathered)
-  {
-    Level& whole = *levels_[index + 1];
-    gatherField(level, level.r, whole, whole.r);
-    visit(index + 1);
-    const auto a = static_cast<std::size_t>(level.layout.dimension - 1);
-    const std::int64_t layer = (level.layout.dimension == 3 ? level.layout.rowsY() : 1) * level.layout.pitch;
-    for (int c = 0; c < level.layout.dimension; ++c)
-      std::copy_n(whole.x.component(c) + whole.layout.begin(0) + (whole.layout.ghost + level.layout.start[a]) * layer,
-        level.layout.size[a] * layer, level.x.component(c) + level.layout.begin(0) + level.layout.ghost * layer);
     return;
   }
   smooth(index, fromZero);

@@ -80,6 +80,9 @@ public:
 private:
   /// @return the diagonal blocks
   NodeField<float> buildFinest();
+  /// Whatever its slabs are like.
+  [[nodiscard]] bool halvable(const Level& level) const;
+  /// The last level, as it is cut. Collective over those who have it.
   [[nodiscard]] bool coarsenable() const;
   [[nodiscard]] int reach(const Level& level) const;
   void coarsen(const MatrixRows& rows);
@@ -87,7 +90,9 @@ private:
   void translate(const MatrixRows& rows);
   void gather();
   void addLevel(std::unique_ptr<Level> level);
-  void gatherField(const Level& part, const NodeField<float>& field, const Level& whole, NodeField<float>& out) const;
+  /// @param first, count components
+  /// @param out of the next level; null where this rank has none
+  void gatherField(const Level& part, const NodeField<float>& field, int first, int count, NodeField<float>* out) const;
   void estimateSpectrum(std::size_t index);
 
   /// x = M r of the finest level, after row(i, c) has filled r: of component c, from position i on.
@@ -102,6 +107,7 @@ private:
   /// x += M r of a level, or x = M r
   void cycle(std::size_t index, bool fromZero);
   void visit(std::size_t index);
+  void visitGathered(std::size_t index);
   void smooth(std::size_t index, bool first);
   void chebyshev(Level& level, const NodeField<float>& residual, float a, float b, bool first);
   /// r −= A d of a level, after filling the rim of d

@@ -2,6 +2,7 @@
 
 #include "peridynamics/BondLattice.h"
 #include "peridynamics/NodeField.h"
+#include "peridynamics/multigrid/Agglomeration.h"
 #include "peridynamics/multigrid/LayerShare.h"
 #include "peridynamics/multigrid/LevelKernels.h"
 #include "peridynamics/multigrid/LevelRim.h"
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <functional>
 #include <initializer_list>
+#include <memory>
 #include <vector>
 
 namespace lamella::peridynamics
@@ -40,6 +42,7 @@ struct Level
   std::array<bool, 3> periodic{};
   const Communicator* comm = nullptr;
   LevelRim rim;
+  std::size_t halvings = 0; ///< of the finest lattice
 
   // the matrix of a coarse level: blocks to half of the neighbours, A(i, i + q), and of the node itself; a packed one
   // is without those that no bond can reach
@@ -53,7 +56,8 @@ struct Level
   NodeField<float> r; ///< residual
   NodeField<float> d; ///< direction; its rim is kept up to date
 
-  bool gathered = false; ///< the next level is the same lattice, whole on every rank
+  bool gathered = false; ///< the next level is the same lattice, on fewer ranks or whole on every one
+  std::unique_ptr<Agglomeration> agglomeration; ///< where it is on fewer
 
   LayerShare share;    ///< of a lattice that every rank has whole: how they share out the layers
   bool shared = false; ///< each does its own; otherwise every one does all

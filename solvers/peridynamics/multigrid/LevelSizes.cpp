@@ -31,11 +31,14 @@ std::vector<NodeLayout> levelLayouts(const NodeLayout& finest, bool parallel)
     const NodeLayout fine = levels.back();
     std::array<std::int64_t, 3> size = fine.size;
     std::array<std::int64_t, 3> global = fine.global;
+    const auto slowest = static_cast<std::size_t>(fine.dimension - 1);
     for (std::size_t a = 0; a < static_cast<std::size_t>(fine.dimension); ++a)
     {
       size[a] = size[a] / 2 + 1;
       global[a] = global[a] / 2 + 1;
     }
+    if (parallel) // slabs that were too thin are thicker on fewer ranks
+      size[slowest] = std::max(size[slowest], std::min<std::int64_t>(global[slowest], 8 * coarseReach(fine.ghost)));
     if (nodesOf(global) >= nodesOf(fine.global))
       break;
     levels.push_back(NodeLayout::make(fine.dimension, coarseReach(fine.ghost), size, {}, global, finest.before > 0));
