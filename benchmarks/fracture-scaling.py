@@ -23,7 +23,7 @@ PREDICTED_FOR = (1, 2, 4, 8, 16, 32, 64, 128, 200, 256, 512, 680, 1000, 1024, 20
 # As in the sources.
 REACH, COMPONENTS = 3, 2
 COARSEST, GATHER = 100, 4096
-TWICE_FROM = 2
+TWICE_FROM, TWICE_BELOW = 2, 5
 GUARD = 100  # steps from one look at the energies, which is two reductions, to the next
 
 
@@ -55,7 +55,7 @@ def visited(rows, begins):
 
 
 def pitch(nx, ghost):
-    return (16 + nx + ghost + 15) // 16 * 16
+    return ((nx + 7) // 8 * 8 + max(2, ghost) + 15) // 16 * 16
 
 
 def coarse_reach(reach):
@@ -112,12 +112,12 @@ def cycles_of(levels):
     visits, cycles = [1], [1]
     for index, level in enumerate(levels[1:], 1):
         visits.append(cycles[-1])
-        twice = level.halvings >= TWICE_FROM and index + 1 < len(levels) and not level.relays
+        twice = TWICE_FROM <= level.halvings < TWICE_BELOW and index + 1 < len(levels) and not level.relays
         cycles.append(visits[-1] * (2 if twice else 1))
     return visits, cycles
 
 
-KEYS = ("messages", "bytes", "waits", "reductions", "gatherings", "gathered", "whole", "coarsest", "thick")
+KEYS = ("messages", "bytes", "waits", "reductions", "gatherings", "gathered", "whole", "thick")
 
 
 def motion_counts(nx, ranks):
@@ -161,7 +161,6 @@ def iteration_counts(nx, ny, ranks):
         if level.whole:
             for rank in level.holders:
                 every[rank]["whole"] += level.nodes() * cycles[index]
-                every[rank]["coarsest"] += cycles[index] if index + 1 == len(levels) else 0
         else:
             own = 0 if level.relays else 3 * cycles[index] + cycles[index] - visits[index]
             exchange(level, own + (visits[index] if index > 0 and not after_relay else 0), 4)
@@ -208,7 +207,7 @@ def seconds(model, what, size, rows, ranks, link):
     if ranks == 1:
         return [work, 0, 0, 0, 0]
     hops = math.log2(ranks) * link["latency"]
-    return [work, m["whole"] * (c["whole"] + c["thick"]) + m["coarsest"] * c["coarsest"], c["messages"] * link["latency"], (c["bytes"] + c["gathered"]) / link["bandwidth"],
+    return [work, m["whole"] * (c["whole"] + c["thick"]), c["messages"] * link["latency"], (c["bytes"] + c["gathered"]) / link["bandwidth"],
             (c["reductions"] + c["gatherings"]) * hops]
 
 
@@ -216,15 +215,8 @@ def per_unit(row, column):
     return row[column] / row["units"]
 
 
-def two_rates(rows):
-    """Least squares of the relative differences of a x + b y from z. @param rows x, y, z"""
-    xx, xy, yy, x, y = (sum(f(*row) for row in rows) for f in (
-        lambda x, y, z: x * x / z**2, lambda x, y, z: x * y / z**2, lambda x, y, z: y * y / z**2, lambda x, y, z: x / z, lambda x, y, z: y / z))
-    return (x * yy - y * xy) / (xx * yy - xy * xy), (y * xx - x * xy) / (xx * yy - xy * xy)
-
-
 def calibrate(counts, times):
-    """Seconds a bond (one rank, the large sample), a node of whole levels and a visit of the coarsest, and of what a rank does beside its share: of motion the
+    """Seconds a bond (one rank, the large sample), a node of whole levels, and of what a rank does beside its share: of motion the
     same at each step, of an iteration in proportion to the bytes sent (rows beyond its own on all levels). From 8 ranks on."""
     model = {}
     for what in ("motion", "equilibrium"):
@@ -236,16 +228,15 @@ def calibrate(counts, times):
             left = per_unit(r, "work") - bond[r["nx"]] * r["visited"]
             if what == "equilibrium":
                 c = iteration_counts(int(r["nx"]), int(r["ny"]), int(r["ranks"]))[1]
-                whole.append((c["whole"], c["coarsest"], per_unit(r, "whole")))
+                whole.append(per_unit(r, "whole") / c["whole"])
                 left = (left - per_unit(r, "whole")) / per_unit(r, "bytes")
             beside.append(left)
         measured = {}
         for r in (r for r in times if r["what"] == what):
             measured.setdefault(r["nx"], []).append(r["one_work"] / r["units"] / one[r["nx"]]["visited"])
         rest = max(0.0, statistics.median(beside))
-        node, visit = two_rates(whole) if whole else (0.0, 0.0)
-        model[what] = {"bond": statistics.median(measured[max(measured)]), "counted": bond, "whole": node, "coarsest": visit,
-                       "fixed": rest if what == "motion" else 0.0, "sent": rest if what == "equilibrium" else 0.0}
+        model[what] = {"bond": statistics.median(measured[max(measured)]), "counted": bond,
+                       "whole": statistics.median(whole) if whole else 0.0, "fixed": rest if what == "motion" else 0.0, "sent": rest if what == "equilibrium" else 0.0}
     return model
 
 
@@ -272,8 +263,7 @@ def check_counts(counts, model, rows):
                     worst[key] = max(worst.get(key, 0), abs(told / r[column] - 1))
             worst["bonds visited"] = max(worst.get("bonds visited", 0), abs(max(visited(rows[size[0]], slabs(size[1], ranks))) / r["visited_most"] - 1))
             m = model[what]
-            work = (m["counted"][r["nx"]] * r["visited"] + m["fixed"] + m["sent"] * mean["bytes"] + m["whole"] * mean["whole"]
-                    + m["coarsest"] * mean["coarsest"])
+            work = m["counted"][r["nx"]] * r["visited"] + m["fixed"] + m["sent"] * mean["bytes"] + m["whole"] * mean["whole"]
             worst["work"] = max(worst.get("work", 0), abs(work / per_unit(r, "work") - 1))
         print(f"  {what}: " + ", ".join(f"{key} {100 * w:.1f} %" for key, w in worst.items()))
 
@@ -390,7 +380,7 @@ def main():
     model = calibrate(counts, times)
     for what, m in model.items():
         print(f"  {what}: {1e9 * m['bond']:.2f} ns a bond ({', '.join(f'{nx:.0f}: {1e9 * v:.2f}' for nx, v in m['counted'].items())} in the counted runs), "
-              f"{1e6 * m['fixed']:.0f} µs a rank, {1e9 * m['sent']:.1f} ns a byte sent, {1e9 * m['whole']:.0f} ns a node of whole levels, {1e6 * m['coarsest']:.0f} µs a visit of the coarsest")
+              f"{1e6 * m['fixed']:.0f} µs a rank, {1e9 * m['sent']:.1f} ns a byte sent, {1e9 * m['whole']:.0f} ns a node of whole levels")
     tell_counts(counts)
     check_counts(counts, model, rows)
     tell_times(times, model, rows, here)
