@@ -22,7 +22,7 @@ PREDICTED_FOR = (1, 2, 4, 8, 16, 32, 64, 128, 200, 256, 512, 680, 1000, 1024, 20
 
 # As in the sources.
 REACH, COMPONENTS = 3, 2
-COARSEST, GATHER = 100, 4096
+COARSEST, GATHER = 100, 1024
 TWICE_FROM, TWICE_BELOW = 2, 5
 GUARD = 100  # steps from one look at the energies, which is two reductions, to the next
 

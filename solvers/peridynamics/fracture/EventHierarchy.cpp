@@ -77,6 +77,7 @@ MultigridOptions EventHierarchy::multigridOptions(int dimension) noexcept
   MultigridOptions options;
   options.lean = dimension == 3;
   options.twiceBelow = BondMultigrid::maxLevels;
+  options.gather = 4096; // what is done by layers of whole samples is sent to all
   options.packFrom = dimension == 3 ? options.gather : 0;
   if (dimension == 2)
     options.twiceFrom = 4; // the larger levels twice cost more than the iterations that they save

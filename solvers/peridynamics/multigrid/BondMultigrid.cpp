@@ -1,5 +1,6 @@
 #include "peridynamics/multigrid/BondMultigrid.h"
 
+#include "core/Together.h"
 #include "peridynamics/BondForces.h"
 #include "peridynamics/multigrid/BondRows.h"
 #include "peridynamics/multigrid/Fold.h"
@@ -73,8 +74,12 @@ BondMultigrid::BondMultigrid(
       gather();
     else
       break;
-  if (levels_.size() > 1 && !levels_.back()->gathered && CoarsestLevel::possible(levels_.back()->layout))
-    coarsest_.emplace(*levels_.back());
+  together(*levels_.front()->comm, // who has no part in it would wait for those who failed
+    [&]
+    {
+      if (levels_.size() > 1 && !levels_.back()->gathered && CoarsestLevel::possible(levels_.back()->layout))
+        coarsest_.emplace(*levels_.back());
+    });
   for (const auto& level : levels_)
     level->arrange();
   translation_ = NodeField<float>();
