@@ -89,6 +89,8 @@ BondMultigrid::BondMultigrid(
     levels_.front()->r = levels_.front()->d = NodeField<float>();
 }
 
+BondMultigrid::~BondMultigrid() = default;
+
 NodeField<float> BondMultigrid::buildFinest()
 {
   levels_.push_back(std::make_unique<Level>());

@@ -45,6 +45,9 @@ public:
   /// outlive this where it is given
   BondMultigrid(const BondLattice& bonds, const FixedComponents& fixed, const MultigridOptions& options = {},
     NodeField<float>* work = nullptr);
+  ~BondMultigrid(); // where its memory comes from: Eigen may be set otherwise elsewhere
+  BondMultigrid(const BondMultigrid&) = delete;
+  BondMultigrid& operator=(const BondMultigrid&) = delete;
 
   /// x = M r: `input` is taken as zero where components are fixed. The rim of the result is not filled. Collective.
   /// Not of a lean one.
