@@ -121,6 +121,7 @@ void Agglomeration::send(const NodeField<float>* from, const std::vector<Layers>
   const auto buffers = [&](const std::vector<Layers>& all)
   {
     std::vector<std::vector<float>> made;
+    made.reserve(all.size());
     for (const Layers& l : all)
       made.emplace_back(static_cast<std::size_t>(length(l)));
     return made;
@@ -132,7 +133,7 @@ void Agglomeration::send(const NodeField<float>* from, const std::vector<Layers>
     if (in[k].rank != all_.rank())
       MPI_Irecv(taken[k].data(), static_cast<int>(taken[k].size()), MPI_FLOAT, in[k].rank, tag, all_.handle(),
         &requests.emplace_back());
-  const std::vector<float>* kept = nullptr;
+  std::size_t kept = 0; // what stays on this rank
   for (std::size_t k = 0; k < out.size(); ++k)
   {
     const std::int64_t begin = layerBegin(from->layout(), out[k].first);
@@ -140,7 +141,7 @@ void Agglomeration::send(const NodeField<float>* from, const std::vector<Layers>
       [&](std::int64_t at, int c, std::int64_t n)
       { std::copy_n(from->component(c) + begin, n, given[k].data() + at); });
     if (out[k].rank == all_.rank())
-      kept = &given[k];
+      kept = k;
     else
       MPI_Isend(given[k].data(), static_cast<int>(given[k].size()), MPI_FLOAT, out[k].rank, tag, all_.handle(),
         &requests.emplace_back());
@@ -148,7 +149,7 @@ void Agglomeration::send(const NodeField<float>* from, const std::vector<Layers>
   MPI_Waitall(static_cast<int>(requests.size()), requests.data(), MPI_STATUSES_IGNORE);
   for (std::size_t k = 0; k < in.size(); ++k)
   {
-    const std::vector<float>& come = in[k].rank == all_.rank() ? *kept : taken[k];
+    const std::vector<float>& come = in[k].rank == all_.rank() ? given[kept] : taken[k];
     const std::int64_t begin = layerBegin(to->layout(), in[k].first);
     each(in[k],
       [&](std::int64_t at, int c, std::int64_t n) { std::copy_n(come.data() + at, n, to->component(c) + begin); });
