@@ -17,6 +17,7 @@ namespace
 
 // Eight values whatever the registers: most levels are narrow.
 constexpr int lanes = 8;
+constexpr int cacheLine = 64 / sizeof(float);
 using V __attribute__((vector_size(4 * lanes))) = float;
 using AnyV __attribute__((vector_size(4 * lanes), aligned(4), may_alias)) = float; // at any address
 
@@ -37,8 +38,8 @@ L times(int c, const L* block, const L* x)
                   : block[5] * x[0] + block[4] * x[1] + block[2] * x[2];
 }
 
-/// The product on Parts vectors of Lanes nodes of a row. Returns x·out.
-template <int Dim, int Lanes, int Parts>
+/// The product on Parts vectors of Lanes nodes of a row. Returns x·out. With `Ahead` the next row's matrix is fetched.
+template <int Dim, int Lanes, int Parts, bool Ahead = false>
 auto blockPart(const WindowRows& w, const BlockRow& r, std::int64_t row, std::int64_t x, std::int64_t diagonalRow,
   const std::uint8_t* mirrored)
 {
@@ -71,8 +72,9 @@ auto blockPart(const WindowRows& w, const BlockRow& r, std::int64_t row, std::in
   const float* block = r.block[0] + row * r.nextRow + x;
   for (int q = 0; q < r.half; ++q, block += r.blockStride)
   {
-    for (int e = 0; e < entries; ++e) // the streams are many and short: the processor does not see them coming
-      __builtin_prefetch(block + e * entry + r.nextRow, 0, 2);
+    for (int e = 0; Ahead && e < entries; ++e) // many and short streams: the processor does not see them coming
+      for (int at = 0; at < Parts * Lanes; at += cacheLine)
+        __builtin_prefetch(block + e * entry + at + r.nextRow, 0, 2);
     for (int part = 0; part < Parts; ++part)
     {
       add(
@@ -118,11 +120,11 @@ void subtract(std::int64_t n, const BlockRow& r)
   }
   std::int64_t x = 0;
   for (; x + 2 * wide - lanes < n; x += 2 * wide)
-    blockPart<Dim, wide, 2>(w, r, 0, x, 0, r.mirrored);
+    blockPart<Dim, wide, 2, true>(w, r, 0, x, 0, r.mirrored);
   for (; x + wide - lanes < n; x += wide)
-    blockPart<Dim, wide, 1>(w, r, 0, x, 0, r.mirrored);
+    blockPart<Dim, wide, 1, true>(w, r, 0, x, 0, r.mirrored);
   for (; x < n; x += lanes)
-    blockPart<Dim, lanes, 1>(w, r, 0, x, 0, r.mirrored);
+    blockPart<Dim, lanes, 1, true>(w, r, 0, x, 0, r.mirrored);
 }
 
 double window(int dimension, const WindowRows& rows, const BlockRow& matrix, std::int64_t diagonalRow,
