@@ -59,19 +59,28 @@ std::string DefaultArray(vtkDataSet* data, int preset)
     return found.empty() ? name : found;
   }
   for (const char* name :
-    { "stress", "flux", "temperature", "concentration", "displacement", "pore_size", "phase", "grain" })
+    { "stress", "flux", "temperature", "concentration", "displacement", "pore_size", "phase", "grain", "event" })
   {
     const std::string found = FindDirection(data, name);
     if (!found.empty())
       return found;
   }
+  std::string first;
   for (vtkDataSetAttributes* attributes : { static_cast<vtkDataSetAttributes*>(data->GetPointData()),
          static_cast<vtkDataSetAttributes*>(data->GetCellData()) })
   {
     for (int i = 0; i < attributes->GetNumberOfArrays(); ++i)
-      if (attributes->GetArray(i) && attributes->GetArrayName(i))
-        return attributes->GetArrayName(i);
+    {
+      vtkDataArray* const array = attributes->GetArray(i);
+      if (!array || !array->GetName())
+        continue;
+      if (array->GetNumberOfComponents() == 1)
+        return array->GetName();
+      first = first.empty() ? array->GetName() : first;
+    }
   }
+  if (!first.empty())
+    return first;
   throw InputError("the data have no array to draw", "compute a field first, or draw the file it was read from");
 }
 

@@ -90,7 +90,7 @@ public:
   ///@{
   /**
    * Array to draw. Empty: the preset's own; with auto the first there is of stress, flux, temperature,
-   * concentration, displacement, pore_size, phase, grain, else the first array.
+   * concentration, displacement, pore_size, phase, grain, event, else the first array of numbers, or of vectors.
    * @word array
    * @group Drawing
    */

@@ -207,6 +207,13 @@ TEST_F(SnapshotSpace, FlatLinesAreSeenFromAbove)
   vtkNew<vtkPolyData> lines;
   lines->SetPoints(points);
   lines->SetLines(cells);
+  // as in the file of a crack's surfaces: a vector of unit length, then numbers; by itself a number is drawn
+  vtkNew<vtkDoubleArray> normals;
+  normals->SetName("normal");
+  normals->SetNumberOfComponents(3);
+  for (int k = 0; k < 3; ++k)
+    normals->InsertNextTuple3(0, 0, 1);
+  lines->GetCellData()->AddArray(normals);
   lines->GetCellData()->AddArray(values);
   vtkImageData* picture = this->draw(lines);
   ASSERT_NE(picture, nullptr);
