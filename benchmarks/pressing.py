@@ -117,7 +117,7 @@ def platens(folder, keys):
         axes.set_title(label)
         picture[-1].plot(100 * np.array(curve["strain"]), np.array(curve["stress"]) / 1e6, label=label)
     picture[-1].set(xlabel="strain [%]", ylabel="stress [MPa]")
-    picture[-1].legend()
+    picture[-1].legend(loc="lower right", fontsize=8)
     plt.tight_layout()
     plt.savefig(folder / f"platens-{dimension}.png", dpi=130)
 
